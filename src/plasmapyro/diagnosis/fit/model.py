@@ -291,16 +291,21 @@ class Model:
             self._glows[which] = (time, temperatures.copy(), found)
         return found
 
-    def evaluate(self, which, temperatures, values, settings=(), *, slopes=False, gas_error=0.0):
-        """Values (n, C) of an instrument; with `slopes` also their derivative by the knots (n, C, K)."""
-        instrument = self.instruments[which]
+    def changed_scene(self, which, temperatures, values, settings):
+        """`scene` with what settings change of its light, and those that act on the instrument, in order."""
         settings = (*self.settings_of_given(values), *settings)
-        mine = [setting for setting in settings if setting.acts_on(instrument.kind)]
+        mine = [setting for setting in settings if setting.acts_on(self.instruments[which].kind)]
         ordered = sorted(mine, key=lambda setting: setting.effect.order)
         scene, slope, basis = self.scene(which, temperatures, values, ordered)
         for setting in ordered:
             if setting.effect.light is not None:
                 scene = setting.effect.light(scene, setting.amplitude, **setting.shape)
+        return scene, slope, basis, ordered
+
+    def evaluate(self, which, temperatures, values, settings=(), *, slopes=False, gas_error=0.0):
+        """Values (n, C) of an instrument; with `slopes` also their derivative by the knots (n, C, K)."""
+        instrument = self.instruments[which]
+        scene, slope, basis, ordered = self.changed_scene(which, temperatures, values, settings)
         gas = self._gas(instrument, scene, gas_error)
         light = scene.path * (scene.emittance * scene.glow + gas + scene.added)
         weight = self._channel_weight(instrument, scene)
@@ -362,7 +367,7 @@ class Model:
         return gas
 
     def _on_nodes(self, instrument, spectra, scene):
-        if instrument.kind == "spectrometer" and (scene.wavelength_shift or scene.slit_sigma2):
+        if scene and instrument.kind == "spectrometer" and (scene.wavelength_shift or scene.slit_sigma2):
             spectra = moved(self.library.wavelength, spectra, scene.wavelength_shift, scene.slit_sigma2)
         return (instrument.gas_map @ spectra.T).T
 
@@ -411,10 +416,12 @@ class Model:
             * (1 - self.value(values, "lamp") * self.lamp[instrument.kind])
         )
 
-    def signal_of(self, which, spectra, values):
-        """Signals (..., C) of an instrument for spectra (..., K) on the axis of the library."""
+    def signal_of(self, which, spectra, values, scene=None):
+        """Signals (..., C) of an instrument for spectra (..., K) on the axis of the library, by its scale and
+        slit in a scene."""
         instrument = self.instruments[which]
-        nodes = (instrument.gas_map @ np.atleast_2d(spectra).T).T.reshape(*np.shape(spectra)[:-1], -1)
+        nodes = self._on_nodes(instrument, np.atleast_2d(spectra), scene)
+        nodes = nodes.reshape(*np.shape(spectra)[:-1], -1)
         return self._gain(which, values) * self._channels(nodes, instrument.weight)
 
     def gas_level(self, which):

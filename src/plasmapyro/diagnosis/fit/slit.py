@@ -1,6 +1,7 @@
 """How wide the slit of a spectrometer is: what lines of atoms say, pixel by pixel."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -22,6 +23,9 @@ NUMBERS = 5  # of a line: three brightnesses, its place, the width
 MOVED = 0.3  # slits by which a line may be off, and the steps in which a scale is looked for
 FARTHEST = 3e-9  # [m] by which that may be off
 STEPS = 40  # of a slit
+WIDTHS = np.array([0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 1, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2, 2.5, 3, 4, 5])
+"""Of slits, over the stated one [1]."""
+SEEN = 100.0  # chi-squared that a line must bring: ten standard errors of its brightness
 EXACT = 0.01  # [1] error of a frame where too few tell it: what a line leaves then says how large it is
 NANOMETRE = 1e-9
 
@@ -103,7 +107,7 @@ def seen_slit(record, radiation):
         error = np.maximum(error, 0.1 * np.median(error))
     emitted = np.stack([radiation[name].values.astype(float) for name in (ATOMIC, OTHER)])
     fwhm = float(record.attributes["spectrometer_fwhm"])
-    lines = [*_lines(frames.wavelength[usable], light, error, fine, emitted, fwhm)]
+    lines = [one for one in _lines(frames.wavelength[usable], light, error, fine, emitted, fwhm) if one.seen]
     return _together(lines, fwhm) if len(lines) >= FEWEST_LINES else None
 
 
@@ -174,6 +178,20 @@ class _Line:
                 found = min(found, float(np.sum((self.light / self.error - factor @ rows) ** 2)))
         return found
 
+    @cached_property
+    def coarse(self):
+        """`misfit` of each of `WIDTHS`."""
+        return np.array([self.misfit(ratio) for ratio in WIDTHS])
+
+    @property
+    def seen(self):
+        """Whether its light is another than that of the rest: the slit has not drowned it."""
+        rows = np.array([np.interp(self.wavelength, self.axis, self.emitted[1]), np.ones(self.light.size)])
+        rows, light, least = rows / self.error, self.light / self.error, self.coarse.min()
+        factor, *_ = np.linalg.lstsq(rows.T, light, rcond=None)
+        without = float(np.sum((light - factor @ rows) ** 2))
+        return without > least + SEEN * max(least / self.freedom, 1.0)
+
     @property
     def freedom(self):
         """Pixels beyond the numbers of a fit."""
@@ -182,20 +200,19 @@ class _Line:
 
 def _together(lines, fwhm):
     """The `SeenSlit` of lines: the common width, first on a coarse axis, then on a finer one about it."""
-    ratio = np.array([0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 1, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2, 2.5, 3, 4, 5])
-    apart = 1.0
-    for _ in range(2):
-        curves = np.array([[line.misfit(one) for one in ratio] for line in lines])
+    ratio, curves, apart, best = WIDTHS, np.array([line.coarse for line in lines]), 1.0, 0
+    for finer in (False, True):
+        if finer:
+            ratio = np.linspace(ratio[best - 1], ratio[best + 1], 9)
+            curves = np.array([[line.misfit(one) for one in ratio] for line in lines])
         scale = np.maximum(curves.min(axis=1) / [line.freedom for line in lines], 1.0)
         curves = (curves - curves.min(axis=1, keepdims=True)) / scale[:, None]
         best = int(np.argmin(curves.sum(axis=0)))
         if best in (0, ratio.size - 1):
             return None
         apart = max(apart, float(curves[:, best].sum()) / (len(lines) - 1))
-        finer = np.linspace(ratio[best - 1], ratio[best + 1], 9)
-        ratio, last = finer, ratio
     variance = (fwhm / NANOMETRE / FWHM_PER_SIGMA) ** 2
-    extra = variance * (last**2 - 1)
+    extra = variance * (ratio**2 - 1)
     near = slice(best - 1, best + 2)
     bend, slope, _ = np.polyfit(extra[near] - extra[best], curves.sum(axis=0)[near], 2)
     if not bend > 0:  # or not a number, where some width fits no line

@@ -21,14 +21,15 @@ from plasmapyro.diagnosis.simulation.errors import (
     without_wrong,
 )
 from plasmapyro.diagnosis.simulation.fitter import Fit, log_bayes, settled
-from plasmapyro.diagnosis.simulation.simulated import Simulated
+from plasmapyro.diagnosis.simulation.simulated import MOVING, SCALE, Simulated
 from plasmapyro.diagnosis.simulation.systems import CLEARER, brightest_line, leaks_of, lines_of, systems_of
 from plasmapyro.radiation.path import CONTINUA
 
 HOTTER = "P_eff"  # the effect that is another power by another name
 FOREIGN = {"Ar", "Cu"}  # effects that are lines of an atom which the simulated gas has not
-ANYWHERE = FOREIGN | {"wshift", SLIT, "second"}  # that act on lines alike, however strong these are
+ANYWHERE = FOREIGN | {SCALE, SLIT, "second"}  # that act on lines alike, however strong these are
 CONTINUUM = "contin"  # the effect that is more light of the systems `CONTINUA`
+REFITS = 5  # of a scale or slit and the errors that it moves, each half as far as the one before
 STEP = 1e-4  # of its amplitude
 FAR = 3.0  # standard errors from which the simulated power is wrong
 HELD = 1e-3  # [1] standard deviation of ln P where the simulated power is taken as right
@@ -139,7 +140,7 @@ def compare(
         return seen <= free() - CLEARER and _may_be(fitter, before, fit, sure)
 
     wanted = threshold if simulated.scatter == 1.0 else threshold + RARE
-    final, rivals = _names(fitter, base, alone, effects, wanted, holds)
+    fitter, final, rivals = _names(fitter, base, alone, effects, wanted, holds)
     if not final.settings:
         simulated, fitter = plain, without
     lines = (*lines_of(fitter, final, threshold), *leaks_of(fitter, final, threshold, leaks))
@@ -174,7 +175,7 @@ def compare(
 
 
 def _names(fitter, base, alone, effects, wanted, holds):
-    """The fit with the effects that a gas asks for, one after the other, and the rivals of each.
+    """The fit with the effects that a gas asks for, one after the other, its fitter, and rivals of each.
 
     `alone` {id: fit with one effect}; `wanted`: chi-squared that one must bring; `holds` (fit before, fit):
     whether the newest effect of a fit may be named.
@@ -189,9 +190,12 @@ def _names(fitter, base, alone, effects, wanted, holds):
         near = least + ALIKE + FORMULA * (base.objective - least)
         rivals[best] = tuple(i for i, fit in tried.items() if i != best and fit.objective < near)
         final = tried[best]
+        for _ in range(REFITS if best in MOVING else 0):
+            fitter = fitter.about(final)
+            final = fitter.fit(final.settings, final)
         used = {setting.id for setting in final.settings}
         tried = {i: fitter.best(final, effect) for i, effect in effects.items() if i not in used}
-    return final, rivals
+    return fitter, final, rivals
 
 
 def _of_formulas(fitter, base, final, further):
@@ -234,7 +238,7 @@ def anywhere(model, measured, effects, found, why, *, draws=1000, seed=1):
         seen = newest in ANYWHERE and base.objective - alone[newest].objective > threshold
         return seen and _may_be(fitter, before, fit)
 
-    final, rivals = _names(fitter, base, alone, effects, threshold, holds)
+    fitter, final, rivals = _names(fitter, base, alone, effects, threshold, holds)
     told = replace(final, covariance=fitter.spread(final) * final.covariance)
     return replace(
         found,

@@ -43,7 +43,7 @@ def settled(simulated, settings=(), wrong=()):
     fitter, fit = Fitter(simulated, simulated.measured.simulated, wrong), None
     for _ in range(ROUNDS):
         fit = fitter.fit(settings, fit)  # from the last one: far from it there are other minima
-        fitter = Fitter(simulated, fitter.light(fit), wrong)
+        fitter = fitter.about(fit)
     return fitter, fitter.fit(settings, fit)
 
 
@@ -73,6 +73,10 @@ class Fitter:
         self.root = self.root_of(
             simulated.strength * wide, simulated.shape, simulated.group[groups], seen=light
         )
+
+    def about(self, fit):
+        """One whose errors of the simulation are relative to the light of a fit, and where it has that."""
+        return Fitter(self.simulated.through(fit.settings), self.light(fit), self.wrong)
 
     def root_of(self, *modes, seen=None):
         """Cholesky factor (C, C) of the covariance of the data and of the errors that modes (M, C) state.

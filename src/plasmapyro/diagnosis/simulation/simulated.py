@@ -1,5 +1,6 @@
 """The simulated gas in the channels of a test: its light at another power or with effects, and its error."""
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -7,10 +8,13 @@ import numpy as np
 from plasmapyro import conditions
 from plasmapyro.diagnosis.fit.model import Model
 from plasmapyro.diagnosis.fit.parameter import Parameter
+from plasmapyro.diagnosis.fit.slit import SLIT
 
 JUST_AFTER = 1e-3  # [s] after injection: the gas as it then is, in front of a cold surface
 FAINTER, BRIGHTER = 0.1, 10.0  # [1], over the simulated light: beyond, its relative error says nothing
 OF_A_VALUES = ("multiplet", "line")  # causes
+SCALE = "wshift"  # the effect that is a wrong scale of the wavelengths
+MOVING = SCALE, SLIT
 COLD = 250.0  # [K]: a surface that does not shine
 
 # At the same power the gas of a higher pressure is hotter, as that of a higher power at the same pressure:
@@ -71,14 +75,29 @@ class Simulated:
         self.cold = np.full(model.size, COLD)
         self._plain = {}
         self.unit = measured.simulated / self._signals(self.centre, ())
-        library = model.library
-        self.systems, self.shape_systems = library.systems, library.shape_systems
-        self._strength, self._shape, self.group = (
-            self._channels(rows) for rows in (library.strength_modes, library.shape_modes, library.group)
+        self.systems, self.shape_systems = model.library.systems, model.library.shape_systems
+        self._see(())
+
+    def _see(self, settings):
+        """Take errors and groups as some settings show them."""
+        library = self.model.library
+        bands = np.broadcast_to(library.bands, library.base.shape)
+        rows = library.strength_modes, library.shape_modes, library.group, np.array([bands, library.base])
+        self._strength, self._shape, self.group, (rough, self.seen) = (
+            self._channels(one, settings) for one in rows
         )
-        self.bands = self._channels(np.broadcast_to(library.bands, (1, library.wavelength.size)))[0]
-        fine = [np.full(one.channels, one.weight is None) for one in instruments]
-        self.bands[~np.concatenate(fine)] = 0.0  # a wide band sees the mean of many lines
+        wide = [np.full(one.channels, one.weight is not None) for one in self.model.instruments]
+        self.bands = np.where(np.concatenate(wide), 0.0, rough)  # a wide band sees the mean of many lines
+
+    def through(self, settings):
+        """The same with errors and groups where a spectrometer of the scale and the slit of settings shows
+        them: at the places of before, a line that is weaker would pass for one that moved less."""
+        moving = tuple(one for one in settings if one.id in MOVING)
+        if not moving:
+            return self
+        other = copy(self)
+        other._see(moving)
+        return other
 
     def _signals(self, values, settings):
         """Signals (C,) of all instruments, in their units."""
@@ -86,10 +105,12 @@ class Simulated:
         found = [self.model.evaluate(which, self.cold, values, settings)[0] for which in range(count)]
         return np.concatenate(found)
 
-    def _channels(self, spectra):
-        """Spectra (M, K) in the channels (M, C), over the level."""
-        count = len(self.model.instruments)
-        found = [self.model.signal_of(which, spectra, self.centre) for which in range(count)]
+    def _channels(self, spectra, settings):
+        """Spectra (M, K) in the channels (M, C), over the level, by scale and slit as settings say."""
+        found = []
+        for which in range(len(self.model.instruments)):
+            scene = self.model.changed_scene(which, self.cold, self.centre, settings)[0]
+            found.append(self.model.signal_of(which, spectra, self.centre, scene))
         return self.unit * np.concatenate(found, axis=1)
 
     def light(self, power, brightness, settings=()):
@@ -106,8 +127,7 @@ class Simulated:
 
     def covariance(self, modes, light):
         """Covariance (C, C) of the error that modes (M, C) state, relative to some light (C,)."""
-        simulated = np.where(self.measured.simulated > 0, self.measured.simulated, 1.0)
-        factor = np.clip(light / simulated, FAINTER, BRIGHTER)
+        factor = np.clip(light / np.where(self.seen > 0, self.seen, 1.0), FAINTER, BRIGHTER)
         scaled = modes * factor
         return scaled.T @ scaled + np.diag((self.roughness * self.bands * factor) ** 2)
 
