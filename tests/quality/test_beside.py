@@ -3,11 +3,12 @@
 import laboratory
 import numpy as np
 import pytest
+import xarray as xr
 
 from plasmapyro import cli, io
 from plasmapyro.commands.calibrate import RESPONSE
 from plasmapyro.instrument.stage import band_response
-from plasmapyro.quality.agreement import level_steps
+from plasmapyro.quality.agreement import level_jumps, level_steps
 from plasmapyro.radiation.planck import blackbody_radiance
 from plasmapyro.record import status
 
@@ -143,6 +144,26 @@ def test_a_level_that_stays_is_told_to_some_per_cent_and_nothing_is_said(lab):
     place, step, error = level_steps(result)
     assert result.attrs["findings"] == "" and place.shape == (step.size, 2) and step.size > 20
     assert (np.abs(step) < np.maximum(0.01, 4 * error)).all()
+
+
+def test_exposures_as_long_as_the_sample_takes_to_heat_show_no_step():
+    """A mean over a ramp bends the spectrum: the first pair had a step of 0.19, 600 of its errors."""
+    wavelength, middle = np.linspace(750e-9, 1025e-9, 600), np.arange(10.0, 60.0, 4.0)
+    moment = middle[:, None] + np.linspace(-1.9, 1.9, 39)
+    kelvin = 1900 - 1580 * np.exp(-moment / 20.0)
+    light = blackbody_radiance(wavelength, kelvin[..., None]).mean(axis=1)
+    rows = ("spectrum_time", "wavelength")
+    result = xr.Dataset(
+        {
+            "spectrum_status": ("spectrum_time", np.full(middle.size, status.VALID)),
+            "corrected_radiance": (rows, light),
+            "radiance_noise": (rows, np.full(light.shape, 1e-4 * light[0].mean())),
+            "reference_radiance": ("wavelength", np.zeros(wavelength.size)),
+        },
+        {"wavelength": wavelength, "spectrum_time": middle},
+    )
+    assert len(level_steps(result)[1]) == middle.size - 1
+    assert level_jumps(result, 0.15)[1].size == 0
 
 
 @pytest.mark.parametrize("seed", [5, 8])

@@ -168,6 +168,17 @@ def test_a_channel_that_saturates_softly_is_flagged_from_where_it_bends(channel)
     assert lost[high].min() > 0.03 and lost[~high].max() < 0.15
 
 
+def test_a_gas_that_was_brighter_before_and_takes_a_moment_to_die_is_no_bend():
+    """Sound samples of the band that sees less of it had been left out as near the end of its detector."""
+
+    def shine(signals):
+        course = np.where(TIME < 0, 2.9, np.exp(-np.maximum(TIME - 50, 0) / 0.05))
+        return signals + np.array([[0.6], [0.06]]) * signals.max(axis=1, keepdims=True) * course
+
+    bands = record_of(slowly(shine), {"pyrometer": None}).instruments[0]
+    assert (bands.flag == 0).all()
+
+
 @pytest.mark.parametrize(("slope", "flagged"), [(0.9, False), (0.8, True)])
 def test_a_bend_is_one_from_a_slope_of_85_per_cent_on(slope, flagged):
     """ln S of one channel rises with the other's as 1, and as `slope` in its upper third."""

@@ -1,7 +1,7 @@
 """Rules for results: instruments against each other, and each against what is known of its light."""
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from plasmapyro.quality import late
 from plasmapyro.quality.rule import rule
@@ -217,10 +217,12 @@ def level_steps(result):
     r"""Factor at all wavelengths alike of the light of each valid spectrum over that of the one before.
 
     .. math:: \ln\frac{L_{j+1}}{L_j} = s + \frac{c_2}{\lambda}\left(\frac{1}{T_j} - \frac{1}{T_{j+1}}\right)
-              + g L^{g} \left(\frac{1}{L_{j+1}} - \frac{1}{L_j}\right)
+              + g L^{g} \left(\frac{1}{L_{j+1}} - \frac{1}{L_j}\right) + b \frac{\bar\lambda^2}{\lambda^2}
 
     by least squares over the pixels (Wien's law). The calibration drops out, and a temperature changes the
-    second term alone; g, of the light of the window, has a standard deviation of `GAS_LEFT`.
+    second term alone; g, of the light of the window, has a standard deviation of `GAS_LEFT`; b, of
+    temperatures that change within exposures, one of :math:`x^2/24`, half the variance of a ramp over x, the
+    largest change of the logarithm between neighbours.
 
     Returns
     -------
@@ -234,18 +236,21 @@ def level_steps(result):
     # By its neighbours: a pixel that is chosen by its own light is one that noise made bright.
     around = median_filter(np.nan_to_num(light), (1, PIXELS))
     clear = (around > CLEAR * noise) & (around > gas / MOST_GAS) & (light > 0)
-    for place in zip(good[:-1], good[1:], strict=True):
-        first, second = (light[at] for at in place)
-        both = clear[place[0]] & clear[place[1]]
+    seen = clear[good[:-1]] & clear[good[1:]]
+    change = np.log(light[good[1:]] / light[good[:-1]], where=seen, out=np.zeros(seen.shape))
+    ramp = maximum_filter1d(np.abs(change.sum(axis=1)) / np.maximum(seen.sum(axis=1), 1), 3)
+    for place, both, ratio, steep in zip(
+        zip(good[:-1], good[1:], strict=True), seen, change, ramp, strict=True
+    ):
         if both.sum() < PIXELS:
             continue
         error = np.hypot(*(noise[at, both] / around[at, both] for at in place))
         left = GAS_LEFT * gas[both] * (1 / around[place[1], both] - 1 / around[place[0], both])
-        design = np.stack([np.ones(error.size), inverse[both], left], axis=1) / error[:, None]
-        covariance = np.linalg.inv(design.T @ design + np.diag([0.0, 0.0, 1.0]))
-        change = np.log(second[both] / first[both]) / error
-        step = covariance @ design.T @ change
-        scatter = max(1.0, float(np.std(change - design @ step)))
+        bent = steep**2 / 24 * inverse[both] ** 2
+        design = np.stack([np.ones(error.size), inverse[both], left, bent], axis=1) / error[:, None]
+        covariance = np.linalg.inv(design.T @ design + np.diag([0.0, 0.0, 1.0, 1.0]))
+        step = covariance @ design.T @ (ratio[both] / error)
+        scatter = max(1.0, float(np.std(ratio[both] / error - design @ step)))
         found.append((*place, step[0], scatter * np.sqrt(covariance[0, 0])))
     *place, step, error = np.array(found).reshape(-1, 4).T
     return np.stack(place, axis=1).astype(int), step, error

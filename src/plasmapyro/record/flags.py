@@ -209,7 +209,8 @@ def rounded(values, gas):
 
     at the top of channel c over the other one o: all above the level where its slope falls below
     `SOUND_SLOPE` for good. A surface brightens in both bands by powers of its temperature whose quotient
-    changes by some per cent over the range. `gas` (t, 2): how much of the signals is light of the gas.
+    changes by some per cent over the range. `gas` (t, 2): how much of the signals is light of the gas, NaN
+    where nobody knows.
     """
     own = values - gas
     good = (own > RULES * values).all(axis=1) & (own > 0).all(axis=1)
@@ -225,7 +226,8 @@ def rounded(values, gas):
         slope, usual = height / width, np.median(height / width)
         if slope[-1] < LEAST_SLOPE * usual:
             last = np.flatnonzero(slope >= SOUND_SLOPE * usual)[-1]
-            result[good, channel] = level > rows[last + SPAN][0]
+            bent = values[good, channel][level > rows[last + SPAN][0]]
+            result[:, channel] = values[:, channel] >= np.min(bent, initial=np.inf)
     return result
 
 

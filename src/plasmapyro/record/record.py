@@ -8,6 +8,7 @@ from plasmapyro.instrument.pyrometer import blackbody_signal
 from plasmapyro.instrument.spectrometer import USABLE
 from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import flags, inputs
+from plasmapyro.record.binning import LEAVE_OUT_OFF
 from plasmapyro.record.calibrated import calibrated_radiance
 from plasmapyro.record.emittance import UNTOLD_SLOPE
 from plasmapyro.record.phases import phases, unlit
@@ -161,7 +162,8 @@ def _bands(test, _, __):
 
 
 def gas_of(test, value):
-    """Light of the gas in samples (t, 2) of the bands: the mean of the window while the plasma shines."""
+    """Light of the gas in samples (t, 2) of the bands: the mean of the window while the plasma shines, NaN
+    before the injection and while it dies, where it is another."""
     if not inputs.has_plasma(test):
         return np.zeros_like(value)
     facts, time = test.attrs, test.time.values
@@ -169,8 +171,10 @@ def gas_of(test, value):
     inside &= np.isfinite(value).all(axis=1)
     if not inside.any():
         return np.full(value.shape, np.nan)
-    shining = phases(time, facts["injection_time"], facts["plasma_off_time"])[1]
-    return np.where(shining[:, None], value[inside].mean(axis=0), 0.0)
+    injected, shining = phases(time, facts["injection_time"], facts["plasma_off_time"])
+    dead = time > facts["plasma_off_time"] + LEAVE_OUT_OFF
+    gas = np.where(shining[:, None], value[inside].mean(axis=0), 0.0)
+    return np.where((injected & (shining | dead))[:, None], gas, np.nan)
 
 
 def _filters(test, calibration, _):
