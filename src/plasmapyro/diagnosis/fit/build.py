@@ -37,6 +37,9 @@ EDGE = 1.0  # [nm] ASSUME: of the stated edges of a band; filters are cut to 1 o
 TAIL_ERROR = 0.02  # [1] ASSUME: of silicon at its long-wave end, 1 % per kelvin
 ROUGH = 0.005  # [1] ASSUME: of a scale without a plasma, as `bin_uncertainty` with `--estimator emissivity`
 OF_GAS = ("gas", "before_injection", "before_power")
+# [s] ASSUME: of two computers, each a tick of 15.6 ms and its network time: "low tens of milliseconds" over
+# wide networks, D. Mills et al., RFC 5905 (2010)
+CLOCKS = 0.02
 GAIN_SIGMA = 0.02  # [1] of each instrument between calibration and test
 
 
@@ -116,6 +119,8 @@ def base_model(
         parameters += wandering_gas(edges[0], edges[-1])
     else:
         parameters = tuple(replace(one, sigma=EXACT) if one.id in OF_GAS else one for one in parameters)
+    if len(instruments) > 1:
+        parameters += (Parameter("clocks", "clock of the pyrometer", CLOCKS, "s", instrument="pyrometer"),)
     slope = 0.0 if others is not None else tilt(record.emittance_slope, response)
     errors = [persistent(one, edges[0], edges[-1], 0.0 if plasma else ROUGH, pauses) for one in instruments]
     rest = parameters, record, slope, axis, lamp, errors, given

@@ -227,12 +227,10 @@ class Model:
     def scene(self, which, temperatures, values, settings):
         """Scene of an instrument and, on the same shape, the slope of its black body."""
         instrument = self.instruments[which]
-        time, basis = instrument.moment, self.bases[which]
         late = sum(setting.late(instrument.kind) for setting in settings)
-        if late:
-            time = time + late
-            basis = self.history.basis(time)
-        temperature, body, slope = self._glow(which, basis, time, temperatures)
+        if instrument.kind == "pyrometer":
+            late += float(self.value(values, "clocks"))
+        basis, temperature, body, slope = self._glow(which, late, temperatures)
         after, ended = (instrument.share_after(event, late) for event in (0.0, self.off))
         injected = after[..., None]
         before = np.exp(values[self.index["before_injection"]])
@@ -280,15 +278,17 @@ class Model:
         share = np.where(instrument.moment < 0, brightness, 0.0)
         return ((share, light * (factor * (light.sum() / (light @ factor)) - 1)),)
 
-    def _glow(self, which, basis, time, temperatures):
-        """Temperature (n, 2), black body and its slope (n, 2, M); the last one of each instrument is kept."""
-        kept = self._glows.get(which)
-        if kept is not None and kept[0] is time and np.array_equal(kept[1], temperatures):
-            return kept[2]
+    def _glow(self, which, late, temperatures):
+        """Basis, temperature (n, 2), black body and its slope (n, 2, M) of an instrument whose samples are
+        late [s]; the last two are kept: fits ask for one beside the other."""
+        for kept in self._glows.get(which, ()):
+            if kept[0] == late and np.array_equal(kept[1], temperatures):
+                return kept[2]
+        instrument = self.instruments[which]
+        basis = self.history.basis(instrument.moment + late) if late else self.bases[which]
         temperature = np.maximum(basis @ temperatures, 250.0)
-        found = (temperature, *planck_and_slope(self.instruments[which].wavelength, temperature))
-        if time is self.instruments[which].moment:
-            self._glows[which] = (time, temperatures.copy(), found)
+        found = (basis, temperature, *planck_and_slope(instrument.wavelength, temperature))
+        self._glows[which] = ((late, temperatures.copy(), found), *self._glows.get(which, ())[:1])
         return found
 
     def changed_scene(self, which, temperatures, values, settings):

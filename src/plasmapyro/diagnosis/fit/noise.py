@@ -32,7 +32,7 @@ OWN = 0.05  # [1], of the variance that bands share: the least that each has bes
 OCTAVE = 1e-4  # [1] ASSUME: flicker of the gain of a band in each octave of time, to a factor of `LOOSE`
 CORNER = 0.3  # [Hz] ASSUME: below it an amplifier flickers more than it rustles, to a factor of `LOOSE`
 # [s] ASSUME: times of samples that electronics takes, and of frames that a computer does, as its clock ticks;
-JITTER = {"pyrometer": 5e-4, "spectrometer": 5e-3}
+JITTER = {"pyrometer": 5e-4, "spectrometer": 1e-2}
 OF_PERIOD, JITTER_FREEDOM = 0.1, 2.0  # at most so much of the time between two; how sure that is
 LEAST_JITTER, JITTER_ROUNDS = 0.1, 5  # [1] of the usual one; rounds of weights by what was found
 START_RELATIVE = 0.004  # [1] noise of the first fit: of the value
