@@ -11,7 +11,7 @@ from twin.light import planck
 from twin.sensors import Pyrometer
 from worlds.case import PRESSURE
 from worlds.engine import CENTRES, COMPONENTS, SCATTER, World
-from worlds.measure import FAINT, SCALE, slit_error, within_stated
+from worlds.measure import CLOCKS, FAINT, SCALE, slit_error, within_stated
 
 from blind.bench import EMITTANCE_ERROR, LINE_ERROR, LINES, POWER_ERROR, SYSTEM_ERROR, apply
 
@@ -315,6 +315,8 @@ class Metric:
                 1.7 * 1.438776877e-2 / (pixels * 1773.0**2) * whole[1],
             ]
         )
+        late = CLOCKS * np.gradient(self.reference[0], self.time, axis=1)
+        rows.append([late / self.sigma[0], none[1]])
         rows += self._persistent(whole)
         for effect, size in RESPONSES:
             seen = apply(self.scene, self.gas, [{"effect": effect, "amplitude": size}])

@@ -35,6 +35,7 @@ OTHER = {
     },
 }
 GROWING = ("gas_drift", "winD", "winE", "winD_sl", "winE_sl")  # until the end; per 300 s in the second
+COMPRESSED = ("nonlin_p", "nonlin_s")  # at the largest signal; in the catalogue at the recorded one
 GRAINS, PIVOT = 2300.0, 0.95e-6  # [K], [m] of the black body that grains count in
 BINS = 10
 PLACES = np.arange(1, 40) / 40  # where an ECDF is held against its band
@@ -50,6 +51,8 @@ def in_catalogue(hidden, case):
         return None
     if world == "second" and name in GROWING:
         return amplitude * case["base"]["off"] / 300.0
+    if name in COMPRESSED:
+        return amplitude * (1 - amplitude)
     if world == "first" and name == "refl":  # the share that is scattered: a mirror's is the gas of all
         return amplitude * hidden["shape"]["diffuse"]
     if world == "first" and name == "particles":

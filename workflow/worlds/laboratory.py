@@ -55,6 +55,7 @@ class Laboratory:
     lamp: float  # stated temperature of the spectrometer's source [K]
     gain_flicker: float  # 1/f noise of the gain of each band by itself
     frame_jitter: float  # of the times of frames, that a computer takes [s]
+    clock_error: float  # of the clock of the pyrometer against that of the spectrometer, in a test [s]
 
     @property
     def wavelength(self):
@@ -102,6 +103,7 @@ def draw(seed):
         lamp=float(random.choice([1573.0, 1673.0, 1773.0])),
         gain_flicker=log(5e-5, 5e-4),
         frame_jitter=log(1e-4, 2e-2),
+        clock_error=log(1e-3, 3e-2),
     )
 
 
@@ -377,6 +379,7 @@ class Record:
         test = xr.Dataset(attrs=attributes)
         if lab.has_pyrometer:
             instants = self.instants + random.normal(0, lab.jitter, self.instants.size)
+            instants += random.normal(0, lab.clock_error)
             gas = self.signals(scene, instants) - (bare := self.signals(dark_scene, instants))
             together = _wander(random, self.instants, TOGETHER, lab.wander[1]) + _wander(
                 random, self.instants, POINTING, lab.pointing

@@ -29,6 +29,8 @@ FAINT = 1e-3  # of the light of the gas: strengths of less are not told apart
 # ASSUME: a kelvin between line lamp and test. Its slit: of two stated digits the last is uncertain by 0.29
 # (JCGM 100:2008, F.2.2.1).
 SCALE, DIGIT = 0.02e-9, 0.29
+# [s] between two computers' clocks: "low tens of milliseconds" over wide networks (RFC 5905, 2010)
+CLOCKS = 0.02
 TILT = 0.03  # [um-1] of the emittance: 0.005 of its ratio between the bands
 
 
@@ -37,10 +39,10 @@ class Measure:
 
     Free are the temperature (hats over `knots`), emittance, gains and their wandering by its own law, the
     lamp, the shape of the spectral calibration, its noise and that of the dark in each pixel, edges of the
-    bands, brightness in each frame, and the gas: for effects of surface, path and instruments its light in
-    each pixel and band, for those of the gas itself the strengths of its components, multiplets, progressions
-    and continua, windows of wavelength, the power, the scale of the spectrometer and its slit. SNR is the
-    length of what is left,
+    bands, the clock of the pyrometer, brightness in each frame, and the gas: for effects of surface, path and
+    instruments its light in each pixel and band, for those of the gas itself the strengths of its components,
+    multiplets, progressions and continua, windows of wavelength, the power, the scale of the spectrometer and
+    its slit. SNR is the length of what is left,
     :math:`\sqrt{e^T (I - N(N^TN+1)^{-1}N^T) e}`.
     """
 
@@ -187,6 +189,8 @@ class Measure:
             yield [wander[2] * signals * course * [[0.5], [-0.5]], 0 * rates]
         for course in wander_of(second, DRIFT).T if second.size else ():
             yield [0 * signals, wander[0] * rates * course[:, None]]
+        if signals.size:
+            yield [CLOCKS * np.gradient(signals, first, axis=1), 0 * rates]
         for name, size in (("edge1", 0.7), ("edge2", 0.7), ("resp_long", 0.015), ("eps_slope", TILT)):
             yield self._difference(EFFECTS[name].apply(stage.scene, size, {}, stage.context))
         if not gas:

@@ -9,7 +9,7 @@ from plasmapyro.diagnosis.fit.inference import Solution
 from plasmapyro.diagnosis.fit.setting import FORMULA
 from plasmapyro.diagnosis.select.alternatives import by_other_window, by_pair
 from plasmapyro.diagnosis.select.bent import bent
-from plasmapyro.diagnosis.select.prices import MARGIN
+from plasmapyro.diagnosis.select.prices import MARGIN, outdone
 from plasmapyro.diagnosis.select.probability import PRIOR_NONE, prior_share
 from plasmapyro.diagnosis.select.reserve import BEATEN, reserve
 from plasmapyro.diagnosis.select.rounds import left, walk
@@ -187,11 +187,13 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
         steps, unknown = by_other_window(search, steps, unknown)
     if steps[-1].settings and not unknown and not _likelier(search, first, steps[-1]):
         steps, unknown = [first], left(search, first)
+    evidence = search.evidence(steps[-1].solution) - search.evidence(first.solution)
+    if outdone(steps[-1].settings, evidence, float(first.unknown.max())) and left(search, first):
+        steps, unknown, evidence = [first], left(search, first), 0.0
     if unknown and seen_by(unknown)["axis"] == "signal":
         unknown = _along_time(search, steps[-1], unknown)
     final = steps[-1].solution
     sets = tuple(_alike(first, setting.id) for setting in final.settings)
-    evidence = search.evidence(final) - search.evidence(first.solution)
     doubt = "" if unknown else reserve(steps, search.thresholds.third, sets)
     if sets and not unknown and not doubt and float(first.unknown.max()) > evidence + MARGIN:
         doubt = BEATEN
