@@ -12,7 +12,7 @@ from plasmapyro.checks import counted
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.joint import by_joint_inference
 from plasmapyro.commands.options import settings, told
-from plasmapyro.commands.outputs import require_writable
+from plasmapyro.commands.outputs import beside, require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
 from plasmapyro.quality.beside import blanked, widen, with_level
@@ -38,7 +38,7 @@ OF_BUDGET = ("corrected_temperature", "surface_temperature", "spectral_temperatu
 
 def run(options):
     """Run `plasmapyro correct`: test in, file out, and a summary."""
-    out = options.out or f"{Path(options.test).resolve().stem}_temperature.nc"
+    out = options.out or beside(options.test, "_temperature.nc")
     page = None if options.no_html else options.html or Path(out).with_suffix(".html")
     places = [path for path in (out, page, options.plot) if path]
     require_writable(places, [options.test, options.instrument])

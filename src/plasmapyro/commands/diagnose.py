@@ -8,7 +8,7 @@ import numpy as np
 from plasmapyro import io, progress
 from plasmapyro.commands.correct import trial
 from plasmapyro.commands.instrument import calibration_of
-from plasmapyro.commands.outputs import require_folder
+from plasmapyro.commands.outputs import beside, require_folder
 from plasmapyro.commands.priors import read_priors
 from plasmapyro.commands.terms import read_terms, warn_of_absent
 from plasmapyro.diagnosis import command as diagnosis
@@ -26,7 +26,7 @@ LAMP_STEP = 3e-9  # [m] of the light of a lamp
 
 def run(options):
     """Run `plasmapyro diagnose`: test in, five files out."""
-    out = Path(options.out or f"{Path(options.test).resolve().stem}_diagnosis")
+    out = Path(options.out or beside(options.test, "_diagnosis"))
     read = [options.test, *options.also, options.radiance, options.instrument, options.variations]
     read += [options.given, options.priors]
     require_folder(out, diagnosis.NAMES, read)
