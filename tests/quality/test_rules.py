@@ -170,6 +170,12 @@ def test_rules_of_spectra_say_what_they_saw(sound):
     assert "more than a 16-bit converter gives" in said(summed)["nonlinear_end"]
 
 
+def test_pixels_that_are_lost_in_all_files_make_no_constant_dark(sound):
+    lost = (sound.wavelength > sound.wavelength[40]) & (sound.wavelength < sound.wavelength[44])
+    names = ("counts", "background_counts")
+    assert said(sound.assign({name: sound[name].where(~lost) for name in names})) == {}
+
+
 DARKS = {
     "dark_constant": (lambda dark, counts: 0 * dark, "the dark is 0 counts in every pixel"),
     "dark_brighter": (lambda dark, counts: counts[15], "the dark is brighter than the spectrum at"),

@@ -150,7 +150,8 @@ def exposures_overlap(case, limit):
 @rule()
 def dark_constant(case, limit):
     dark = case.test.background_counts.values[1:-1]
-    if np.ptp(dark) > limit:
+    dark = dark[np.isfinite(dark)]
+    if not dark.size or np.ptp(dark) > limit:
         return None
     return {"where": _dark(case), "value": float(dark[0])}
 
