@@ -170,6 +170,17 @@ def test_rules_of_spectra_say_what_they_saw(sound):
     assert "more than a 16-bit converter gives" in said(summed)["nonlinear_end"]
 
 
+@pytest.mark.parametrize("frame", [6, 15, 22])
+def test_a_ray_that_hits_a_pixel_moves_no_clock(sound, frame):
+    """It outshines its spectrum: the mean of a few pixels is as if of another moment."""
+
+    def hit(counts):
+        counts[frame, 40] += 0.2 * np.nansum(counts[frame] - sound.background_counts.values)
+        return counts
+
+    assert {"two_clocks", "lone_spectrum"}.isdisjoint(said(with_spectra(sound, hit), {}))
+
+
 def test_pixels_that_are_lost_in_all_files_make_no_constant_dark(sound):
     lost = (sound.wavelength > sound.wavelength[40]) & (sound.wavelength < sound.wavelength[44])
     names = ("counts", "background_counts")

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from plasmapyro.radiation.bandsignal import BANDS
-from plasmapyro.record import onset
+from plasmapyro.record import flags, onset
 from plasmapyro.record.calibrated import halves
 from plasmapyro.record.inputs import has_plasma, instruments
 from plasmapyro.record.phases import phases
@@ -75,9 +75,11 @@ class Case:
 
     @cached_property
     def light(self):
-        """Mean light (S,) of the pixels that no spectrum lacks; NaN without such pixels."""
-        good = np.isfinite(self.net).all(axis=0)
-        return self.net[:, good].mean(axis=1) if good.any() else np.full(len(self.net), np.nan)
+        """Mean light (S,) of the pixels that no spectrum lacks, without rays; NaN without such pixels."""
+        slit = float(self.test.attrs["spectrometer_fwhm"])
+        net = flags.without_rays(self.net, self.test.wavelength.values, slit)
+        good = np.isfinite(net).all(axis=0)
+        return net[:, good].mean(axis=1) if good.any() else np.full(len(net), np.nan)
 
     @cached_property
     def window(self):
