@@ -495,7 +495,7 @@ WINDOWS = {
     ),
     "gas_drifts": (
         lambda t: {},
-        lambda t, p: p * np.where((t > 0) & (t < 5), 1 - 0.2 * (np.clip(t, 0, 5) / 5) ** 3, 1),
+        lambda t, p: p * np.where((t > 0) & (t <= 5), 1 - 0.2 * (np.clip(t, 0, 5) / 5) ** 3, 1),
         "the gas drifts in it beyond its noise",
     ),
     "dark_in_window": (
