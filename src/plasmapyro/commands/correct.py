@@ -15,6 +15,7 @@ from plasmapyro.commands.options import settings, told
 from plasmapyro.commands.outputs import beside, require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
+from plasmapyro.page.words import without_folders
 from plasmapyro.quality.beside import blanked, widen, with_level
 from plasmapyro.quality.catalogue import agreed, merged, of_test, own_test
 from plasmapyro.quality.pyrometer import dark_reference
@@ -119,7 +120,7 @@ def _corrected(options):
         if "scaled_temperature" in result and any(finding.rule.misdates for finding in said):
             known = np.isfinite(result.scaled_temperature.values)
             result = blanked(result, "scaled_temperature", "spectrum_status", known)
-    result.attrs["findings"] = "\n".join(finding.words for finding in said)
+    result.attrs["findings"] = "\n".join(without_folders([finding.words for finding in said]))
     read = [*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)]
     asked = told(options, "test", "instrument", "html", "no_html", "plot")
     return test, io.labelled(result, contract, read, {"correct": asked}), said

@@ -14,6 +14,7 @@ from plasmapyro.commands.terms import read_terms, warn_of_absent
 from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.diagnosis.fit.no_plasma import OtherLight
 from plasmapyro.estimate.lamps import shapes_of
+from plasmapyro.page.words import without_folders
 from plasmapyro.quality.agreement import throughput_in_doubt
 from plasmapyro.quality.catalogue import of_test, own_test
 from plasmapyro.quality.rule import Case
@@ -87,7 +88,7 @@ def _diagnosed(options, folder):
         without=tuple(options.without),
         digest=digest,
         others=[own_test(one) for _, one in others],
-        findings=[finding.entry for finding in findings],
+        findings=without_folders([finding.entry for finding in findings]),
         saturation_counts=options.saturation_counts,
         given=given,
         known=known,
@@ -95,7 +96,7 @@ def _diagnosed(options, folder):
     )
     if (doubt := throughput_in_doubt(Case(Path(options.test), estimate=result.temperature))) is not None:
         progress.warn(doubt.words)
-        result.report["findings"].append(doubt.entry)
+        result.report["findings"].append(without_folders(doubt.entry))
     for remark in diagnosis.remarks_on(data, inputs):
         progress.warn(remark)
     return result, [path for path in (test, *(path for path, _ in others)) if path.is_file()]
