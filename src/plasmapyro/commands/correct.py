@@ -72,6 +72,8 @@ def _corrected(options):
         from plasmapyro.commands.terms import read_terms, warn_of_absent  # all of the diagnosis
 
         given = read_terms(options.given)
+        if not given:
+            progress.warn(f"{options.given} holds no effect of a test: nothing is taken out of this one")
     progress.say(f"reading {options.test}")
     reading = read_with_files(options.test)
     if options.reference_window:
