@@ -5,7 +5,7 @@ from snakemake.utils import min_version
 
 from plasmapyro import configuration, workspace
 from plasmapyro.gas.species import AIR, gas_name
-from plasmapyro.readers.stage import condition_of
+from plasmapyro.readers.stage import condition_of, misplaced
 
 min_version("9.0")
 os.environ["PLASMAPYRO_JOB"] = "1"  # its processes load their modules without a search for garbage
@@ -74,6 +74,8 @@ try:
         if condition != "none"
     }
     configuration.check_compared(COMPARED, CONDITIONS)
+    if lost := list(misplaced({test: case for test, case in TESTS.items() if "twin" not in case})):
+        raise configuration.ConfigurationError("\n  ".join(["tests without their data:", *lost]))
     # Those that are worked on by themselves; the others judge what these taught.
     WORKED = [test for test, case in TESTS.items() if not case.get("judge")]
     DIAGNOSED = [test for test in COMPARED if test in WORKED]

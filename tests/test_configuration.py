@@ -47,6 +47,41 @@ def test_a_key_given_twice_is_refused(tmp_path):
         configuration.load(tmp_path / "x.yaml", CONDITION)
 
 
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        ("050", "'050' would be read as 40; write it without"),  # octal in YAML 1.1
+        ("-0_20", "'-0_20' would be read as -16"),
+        ("1:30", "'1:30' would be read as 90"),  # to the base of 60
+        ("095", "'095' is not of type 'number'; write 95 "),
+        ("5e1", "'5e1' is not of type 'number'; write 50 "),
+        ("50 mbar", "'50 mbar' is not of type 'number' ("),
+    ],
+)
+def test_a_number_that_yaml_takes_for_another_is_refused(tmp_path, words, said):
+    text = "\n".join(f"{key}: {value}" for key, value in (GOOD | {"chamber_pressure_mbar": words}).items())
+    (tmp_path / "x.yaml").write_text(text)
+    with pytest.raises(configuration.ConfigurationError) as caught:
+        configuration.load(tmp_path / "x.yaml", CONDITION)
+    assert said in str(caught.value)
+
+
+def test_a_number_of_one_meaning_is_read(tmp_path):
+    for words in ("0", "-0", "+50", "5_0", "05", "00", "0x32", "50.", "0.05", "5.0e+1", "012.5"):
+        (tmp_path / "x.yaml").write_text(f"x: {words}")
+        assert isinstance(configuration.read(tmp_path / "x.yaml")["x"], int | float), words
+
+
+@pytest.mark.parametrize("name", ["95kW.yml", "95kW.YAML", "95kW.yaml.txt"])
+def test_a_file_whose_ending_hides_it_is_named(tmp_path, name):
+    for one in ("90kW.yaml", "95kW.yaml.off", "notes.txt"):
+        (tmp_path / one).write_text("\n".join(f"{key}: {value}" for key, value in GOOD.items()))
+    assert set(configuration.load_folder({"folder": tmp_path, "only": []}, CONDITION)) == {"90kW"}
+    (tmp_path / name).write_text("numerical_power_kw: 95")
+    with pytest.raises(configuration.ConfigurationError, match=f"{name}: is not read; let its name end in"):
+        configuration.load_folder({"folder": tmp_path, "only": []}, CONDITION)
+
+
 def test_hidden_files_that_systems_leave_behind_are_no_configurations(tmp_path):
     (tmp_path / "90kW.yaml").write_text("\n".join(f"{key}: {value}" for key, value in GOOD.items()))
     (tmp_path / "._90kW.yaml").write_bytes(b"\x00\x05\x16\x07")

@@ -109,6 +109,42 @@ def test_check_returns_what_contradicts_itself(laboratory):
     assert any("[swapped_bands]" in words for words in pp.check(swapped, calibration))
 
 
+def test_a_dataset_in_another_unit_is_refused(laboratory):
+    """Its numbers would be taken as those of SI: micrometres are told by their size, amperes by nothing."""
+    place, calibration, _ = laboratory
+    test = pp.read(place / "example/my_test")
+    milli = test.assign(signal_wide=(test.signal_wide * 1e3).assign_attrs(units="mA"))
+    with pytest.raises(ValueError, match="signal_wide of the test is in 'mA'; give it in 'A'"):
+        pp.correct(milli, calibration)
+    assert pp.check(test.drop_attrs().assign_attrs(test.attrs), calibration) == []
+
+
+def test_what_is_no_test_and_no_calibration_is_said(laboratory, tmp_path):
+    place, calibration, _ = laboratory
+    test = pp.read(place / "example/my_test")
+    with pytest.raises(TypeError, match="the test is a path or a Dataset; got a DataTree"):
+        pp.correct(calibration, test)
+    with pytest.raises(TypeError, match="the calibration is a path or a DataTree; got a Dataset"):
+        pp.check(test, calibration["calibration"].to_dataset())
+    with pytest.raises(ValueError, match="use to_netcdf"):
+        pp.save(None, tmp_path / "x.nc")
+
+
+def test_no_message_and_no_result_names_a_folder_of_the_machine(laboratory):
+    """Of a dataset it would be one that is gone; and a result would differ from one made elsewhere."""
+    place, calibration, _ = laboratory
+    test = pp.read(place / "example/my_test").isel(time=slice(0, 200))
+    said = [*pp.check(test, calibration), pp.correct(test, calibration, draws=20).attrs["findings"]]
+    assert all(words.startswith("test.nc: time ends at 45.75 s") for words in said)
+    with pytest.raises(ValueError, match=r"^test.nc: reference window 0 to 40 s: the surface") as refused:
+        pp.correct(test, calibration, reference_window=(0, 40))
+    assert "/test.nc" not in str(refused.value)
+    shutil.copytree(place / "example/my_test", place / "dark")
+    shutil.copy(place / "dark/spectrometer/spectrum_000.txt", place / "dark/dark.txt")
+    findings = pp.correct(place / "dark", calibration, draws=20).attrs["findings"]
+    assert findings and str(place) not in findings
+
+
 def test_results_draw_themselves(laboratory):
     _, calibration, result = laboratory
     for thing in (result, calibration, calibration["calibration"].to_dataset()):

@@ -62,12 +62,14 @@ def check(test: Test, calibration: Calibration | None = None) -> list[str]:
         With one line per fault, if the data cannot be processed.
     """
     from plasmapyro.commands.check import checked
+    from plasmapyro.page.words import without_folders
 
     with _files(test, calibration) as (place, folder):
         _, found, failed = checked(place, folder)
     if failed:
         raise failed
-    return [finding.words for finding in found]
+    words = [finding.words for finding in found]
+    return without_folders(words) if isinstance(test, xr.Dataset) else words
 
 
 def calibrate(
@@ -350,7 +352,7 @@ def save(result: xr.Dataset | xr.DataTree, place: Place) -> None:
     ValueError
         No function of this package made it (`to_netcdf` stores anything), or it breaches its contract.
     """
-    parts = {Path(place): result}
+    parts = {Path(place): result} if isinstance(result, xr.Dataset) else {}
     if isinstance(result, xr.DataTree):
         parts = {Path(place) / f"{name}.nc": node.to_dataset() for name, node in result.children.items()}
     held = {part.attrs.get("contract") for part in parts.values()}
@@ -373,13 +375,27 @@ def _options(words: list[str], **given: object) -> Any:
 
 @contextmanager
 def _file(data: Place | xr.Dataset, contract: str) -> Iterator[Path]:
-    """A path of data that may be a Dataset; its file lasts as long as the context."""
+    """A path of data that may be a Dataset; its file, named by no message, lasts as long as the context."""
     if not isinstance(data, xr.Dataset):
-        yield Path(data)
+        yield _path(data, contract, xr.Dataset)
         return
+    labelled = contracts.label(data, contract)
+    for name, stated in ((name, one.attrs.get("units")) for name, one in data.variables.items()):
+        if stated is not None and stated != (unit := labelled[name].attrs["units"]):
+            raise ValueError(f"{name} of the {contract} is in {stated!r}; give it in {unit!r}")
     with TemporaryDirectory() as folder:
-        io.write(data, Path(folder) / f"{contract}.nc", contract)
-        yield Path(folder) / f"{contract}.nc"
+        try:
+            io.write(data, Path(folder) / f"{contract}.nc", contract)
+            yield Path(folder) / f"{contract}.nc"
+        except ValueError as fault:
+            raise ValueError(str(fault).replace(f"{folder}{os.sep}", "")) from None
+
+
+def _path(data: Any, what: str, other: type) -> Path:
+    """A path; TypeError for what is neither a path nor the `other` that may be given."""
+    if not isinstance(data, str | os.PathLike):
+        raise TypeError(f"the {what} is a path or a {other.__name__}; got a {type(data).__name__}")
+    return Path(data)
 
 
 @contextmanager
@@ -394,4 +410,4 @@ def _files(
             save(calibration, folder)
             yield place, Path(folder)
         else:
-            yield place, None if calibration is None else Path(calibration)
+            yield place, None if calibration is None else _path(calibration, "calibration", xr.DataTree)

@@ -1,6 +1,7 @@
 """Reading YAML configuration against a closed schema; says all that is wrong, where, and what was meant."""
 
 import re
+from contextlib import suppress
 from difflib import get_close_matches
 from functools import cache
 from math import inf, isfinite
@@ -22,6 +23,7 @@ OF_CONDITION = re.compile(
 )
 # Of what becomes part of file names and of patterns of the workflow.
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
+MEANT = re.compile(r"\.ya?ml(\.txt)?$", re.IGNORECASE)  # to be a .yaml
 
 
 class ConfigurationError(ValueError):
@@ -29,7 +31,17 @@ class ConfigurationError(ValueError):
 
 
 class _Loader(Strict, yaml.SafeLoader):
-    """Safe and strict."""
+    """Safe and strict; refuses digits that YAML 1.1 takes in another base, 050 as 40 and 1:30 as 90."""
+
+    def construct_yaml_int(self, node):
+        number, words = super().construct_yaml_int(node), node.value.replace("_", "").lstrip("+-")
+        if (words.isdigit() and number not in (int(words), -int(words))) or ":" in words:
+            what = f"{quote(node.value)} would be read as {number}; write it without a leading zero or colons"
+            raise yaml.MarkedYAMLError(problem=what, problem_mark=node.start_mark)
+        return number
+
+
+_Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_yaml_int)
 
 
 def _rising(_, count, instance, __):
@@ -83,7 +95,10 @@ def load_folder(selection, schema, order=None):
     `order`, those without it last.
     """
     folder, only = Path(selection["folder"]), selection["only"]
-    found = {path.stem: path for path in sorted(folder.glob("[!.]*.yaml"))}
+    meant = [path for path in sorted(folder.glob("[!.]*")) if MEANT.search(path.name)]
+    if unread := [path for path in meant if not path.name.endswith(".yaml")]:
+        raise ConfigurationError(f"{unread[0]}: is not read; let its name end in .yaml, or take it elsewhere")
+    found = {path.stem: path for path in meant}
     odd = [name for name in found if not NAME.fullmatch(name)]
     if odd:
         raise ConfigurationError(
@@ -296,4 +311,7 @@ def _explain(fault):
         shown, value = fault.message, repr(fault.instance)
         if len(value) > LONGEST_VALUE:
             shown = shown.replace(value, f"{value[:LONGEST_VALUE]}...")
+        if fault.validator_value == "number" and isinstance(fault.instance, str):
+            with suppress(ValueError):
+                shown += f"; write {float(fault.instance):.12g}"
         yield f"{where or 'top level'}: {shown}" + (f" ({about.strip()})" if about else "")

@@ -12,7 +12,7 @@ import pytest
 from judge import judge, require_refused
 
 from plasmapyro.commands import options
-from plasmapyro.commands.outputs import require_writable
+from plasmapyro.commands.outputs import beside, require_writable
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
 TEST, LAMP = EXAMPLE / "my_test", EXAMPLE / "calibration"
@@ -173,6 +173,16 @@ def test_an_output_is_a_plain_file_or_nothing(tmp_path, words, kind):
 def _identity(path):
     found = os.lstat(path)
     return found.st_mode, found.st_ino, found.st_mtime_ns
+
+
+def test_results_of_two_folders_that_differ_behind_a_dot_lie_apart(tmp_path, monkeypatch):
+    for name in ("Nr. 1", "Nr. 2", "160kW_1.5mbar"):
+        (tmp_path / name).mkdir()
+        assert beside(tmp_path / name, "_temperature.nc") == Path(f"{name}_temperature.nc")
+    (tmp_path / "Nr. 1/shot.3.nc").touch()
+    assert beside(tmp_path / "Nr. 1/shot.3.nc", "_diagnosis") == Path("shot.3_diagnosis")
+    monkeypatch.chdir(tmp_path / "Nr. 2")
+    assert beside(".", "_diagnosis") == Path("Nr. 2_diagnosis")
 
 
 def test_a_folder_that_may_not_be_written_is_refused_before_the_work(tmp_path, monkeypatch):

@@ -256,6 +256,14 @@ def test_impossible_options_are_refused_before_anything_is_read(word, capsys):
     assert word.split("=")[0] in capsys.readouterr().err
 
 
+def test_a_file_of_effects_that_holds_none_of_a_test_is_said(shelf, tmp_path, capsys):
+    file = tmp_path / "terms.yaml"
+    file.write_text("condition:\n  effects:\n  - {id: power, amplitude: -0.07}\n")
+    words = ["--estimator", "reference", "--with", str(file)]
+    assert corrected(shelf, "pyrometer.nc", tmp_path / "t.nc", *words) == 0
+    assert f"{file} holds no effect of a test: nothing is taken out" in capsys.readouterr().err
+
+
 def test_the_joint_estimator_gives_a_temperature_near_the_subtraction(shelf, tmp_path):
     assert corrected(shelf, "both.nc", tmp_path / "j.nc", "--estimator", "joint") == 0
     assert corrected(shelf, "both.nc", tmp_path / "r.nc") == 0

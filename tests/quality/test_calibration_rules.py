@@ -100,6 +100,13 @@ def test_exposures_of_one_source_give_one_rate_and_are_brighter_than_the_dark():
     )
 
 
+@pytest.mark.parametrize("name", ["exposure_counts", "exposure_dark"])
+def test_pixels_that_one_exposure_lacks_contradict_nothing(name):
+    data = exposures()
+    data[name][1, 4:9] = np.nan
+    assert said(exposures=data) == {}
+
+
 @pytest.mark.parametrize(("lost", "factor"), [(0, "inf"), (1, "0")])
 def test_a_dark_that_holds_the_light_leaves_no_rate(lost, factor):
     data = exposures()

@@ -170,6 +170,37 @@ def test_rules_of_spectra_say_what_they_saw(sound):
     assert "more than a 16-bit converter gives" in said(summed)["nonlinear_end"]
 
 
+@pytest.mark.parametrize("frame", [6, 15, 22])
+def test_a_ray_that_hits_a_pixel_moves_no_clock(sound, frame):
+    """It outshines its spectrum: the mean of a few pixels is as if of another moment."""
+
+    def hit(counts):
+        counts[frame, 40] += 0.2 * np.nansum(counts[frame] - sound.background_counts.values)
+        return counts
+
+    assert {"two_clocks", "lone_spectrum"}.isdisjoint(said(with_spectra(sound, hit), {}))
+
+
+def test_samples_that_are_missing_by_chance_contradict_nothing(sound):
+    """Exposures over the end of the plasma see what no sample tells; a step over a gap is no end of it."""
+    for seed in range(8):
+        lost = np.random.default_rng(seed).random((2, sound.time.size)) < 0.15
+        assert said(with_signals(sound, lambda t, p, lost=lost: np.where(lost, np.nan, p))) == {}, seed
+
+
+@pytest.mark.parametrize("frames", [[0], [8, 9, 10], [0, 29]])
+def test_spectra_that_are_missing_are_no_copies_and_blind_no_rule(sound, frames):
+    lost = with_spectra(sound, lambda c: times(c.astype(float), frames, np.nan))
+    assert said(lost) == {}
+    assert "lone_spectrum" in said(with_spectra(lost, lambda c: times(c, 20, 2 * c[20])))
+
+
+def test_pixels_that_are_lost_in_all_files_make_no_constant_dark(sound):
+    lost = (sound.wavelength > sound.wavelength[40]) & (sound.wavelength < sound.wavelength[44])
+    names = ("counts", "background_counts")
+    assert said(sound.assign({name: sound[name].where(~lost) for name in names})) == {}
+
+
 DARKS = {
     "dark_constant": (lambda dark, counts: 0 * dark, "the dark is 0 counts in every pixel"),
     "dark_brighter": (lambda dark, counts: counts[15], "the dark is brighter than the spectrum at"),
@@ -478,7 +509,7 @@ WINDOWS = {
     ),
     "gas_drifts": (
         lambda t: {},
-        lambda t, p: p * np.where((t > 0) & (t < 5), 1 - 0.2 * (np.clip(t, 0, 5) / 5) ** 3, 1),
+        lambda t, p: p * np.where((t > 0) & (t <= 5), 1 - 0.2 * (np.clip(t, 0, 5) / 5) ** 3, 1),
         "the gas drifts in it beyond its noise",
     ),
     "dark_in_window": (

@@ -44,6 +44,8 @@ TABLES = {
     "final delimiter": lambda t: t.replace("\n", ",\n"),
     "old Macintosh": lambda t: t.replace("\n", "\r"),
     "byte order mark": lambda t: "\ufeff" + t,
+    "end of a text of DOS": lambda t: t.replace("\n", "\r\n") + "\x1a" * 7,
+    "no end but that of DOS": lambda t: t.removesuffix("\n") + "\x1a",
 }
 
 

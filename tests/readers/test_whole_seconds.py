@@ -42,6 +42,16 @@ def test_spectra_are_moved_within_the_second_that_their_dates_leave_open(dated):
     assert test.attrs["spectra_moved"] == pytest.approx(0.25, abs=0.11)
 
 
+def test_a_ray_in_one_spectrum_moves_none(dated):
+    folder = dated()
+    expected = read_test(folder).spectrum_time.values
+    path = folder / "spectrometer/spectrum_008.txt"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    lines[80] = f"{lines[80].split()[0]}\t60000.0"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    assert read_test(folder).spectrum_time.values == pytest.approx(expected, abs=0.06)
+
+
 def test_a_clock_that_is_off_by_more_is_left_for_a_person_to_see(dated):
     test = read_test(dated(-2.0))
     assert "spectra_moved" not in test.attrs

@@ -40,6 +40,14 @@ def test_gas_alone_is_hardly_ever_taken_for_a_surface(flicker):
     assert words.count(onset.CLEAN) > 270
 
 
+@pytest.mark.parametrize("count", [8, 10, 20])
+def test_chance_is_as_rare_in_a_few_samples(count):
+    """The scatter of eight samples is known to a quarter: four of their deviations are no four of many."""
+    time, generator = np.linspace(0.0, 6.0, count), np.random.default_rng(count)
+    made = (GAS * (1 + 0.01 * generator.standard_normal((2, count))) for _ in range(1000))
+    assert sum(onset.verdict(time, gas, (0, 6)).word != onset.CLEAN for gas in made) <= 1
+
+
 def test_a_surface_in_the_window_is_found():
     words = [onset.verdict(TIME, made(seed, flicker=0.02), (0, 10)).word for seed in range(30)]
     assert set(words) == {onset.SHOWS}

@@ -408,6 +408,21 @@ def test_a_wrong_configuration_stops_before_the_first_job(project, file, old, ne
     assert not (project / "results").exists()
 
 
+def test_a_test_without_its_data_is_named_before_the_first_job(project):
+    told = "instruments: [pyrometer, radiometer]\ncalibrated_spectra: true\n"
+    for name, folder in (("mine", "mydata"), ("other", "nowhere"), ("sound", "netcdf")):
+        (project / f"config/tests/{name}.yaml").write_text(f"data_folder: {folder}\n{told}")
+    for file, words in (("mydata/test.yaml", "attributes: {}\npyrometer: {}\n"), ("netcdf/test.nc", "")):
+        (project / file).parent.mkdir()
+        (project / file).write_text(words)
+    run = snakemake(project)
+    said = run.stdout + run.stderr
+    assert run.returncode != 0 and "Traceback" not in said
+    assert "data_folder of test other: nowhere holds neither test.nc nor test.yaml; see docs" in said
+    assert "instruments of test mine: mydata/test.yaml describes no radiometer" in said
+    assert "test sound" not in said
+
+
 def test_what_is_wrong_in_several_files_is_said_at_once_file_by_file(project):
     for name in ("80kW", "90kW"):
         path = project / f"config/conditions/{name}.yaml"

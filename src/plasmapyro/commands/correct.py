@@ -12,9 +12,10 @@ from plasmapyro.checks import counted
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.joint import by_joint_inference
 from plasmapyro.commands.options import settings, told
-from plasmapyro.commands.outputs import require_writable
+from plasmapyro.commands.outputs import beside, require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
+from plasmapyro.page.words import without_folders
 from plasmapyro.quality.beside import blanked, widen, with_level
 from plasmapyro.quality.catalogue import agreed, merged, of_test, own_test
 from plasmapyro.quality.pyrometer import dark_reference
@@ -38,7 +39,7 @@ OF_BUDGET = ("corrected_temperature", "surface_temperature", "spectral_temperatu
 
 def run(options):
     """Run `plasmapyro correct`: test in, file out, and a summary."""
-    out = options.out or f"{Path(options.test).resolve().stem}_temperature.nc"
+    out = options.out or beside(options.test, "_temperature.nc")
     page = None if options.no_html else options.html or Path(out).with_suffix(".html")
     places = [path for path in (out, page, options.plot) if path]
     require_writable(places, [options.test, options.instrument])
@@ -71,6 +72,8 @@ def _corrected(options):
         from plasmapyro.commands.terms import read_terms, warn_of_absent  # all of the diagnosis
 
         given = read_terms(options.given)
+        if not given:
+            progress.warn(f"{options.given} holds no effect of a test: nothing is taken out of this one")
     progress.say(f"reading {options.test}")
     reading = read_with_files(options.test)
     if options.reference_window:
@@ -119,7 +122,7 @@ def _corrected(options):
         if "scaled_temperature" in result and any(finding.rule.misdates for finding in said):
             known = np.isfinite(result.scaled_temperature.values)
             result = blanked(result, "scaled_temperature", "spectrum_status", known)
-    result.attrs["findings"] = "\n".join(finding.words for finding in said)
+    result.attrs["findings"] = "\n".join(without_folders([finding.words for finding in said]))
     read = [*sources(options.test), *(folder / f"{name}.nc" for name in calibrations)]
     asked = told(options, "test", "instrument", "html", "no_html", "plot")
     return test, io.labelled(result, contract, read, {"correct": asked}), said

@@ -8,12 +8,13 @@ import numpy as np
 from plasmapyro import io, progress
 from plasmapyro.commands.correct import trial
 from plasmapyro.commands.instrument import calibration_of
-from plasmapyro.commands.outputs import require_folder
+from plasmapyro.commands.outputs import beside, require_folder
 from plasmapyro.commands.priors import read_priors
 from plasmapyro.commands.terms import read_terms, warn_of_absent
 from plasmapyro.diagnosis import command as diagnosis
 from plasmapyro.diagnosis.fit.no_plasma import OtherLight
 from plasmapyro.estimate.lamps import shapes_of
+from plasmapyro.page.words import without_folders
 from plasmapyro.quality.agreement import throughput_in_doubt
 from plasmapyro.quality.catalogue import of_test, own_test
 from plasmapyro.quality.rule import Case
@@ -26,7 +27,7 @@ LAMP_STEP = 3e-9  # [m] of the light of a lamp
 
 def run(options):
     """Run `plasmapyro diagnose`: test in, five files out."""
-    out = Path(options.out or f"{Path(options.test).resolve().stem}_diagnosis")
+    out = Path(options.out or beside(options.test, "_diagnosis"))
     read = [options.test, *options.also, options.radiance, options.instrument, options.variations]
     read += [options.given, options.priors]
     require_folder(out, diagnosis.NAMES, read)
@@ -87,7 +88,7 @@ def _diagnosed(options, folder):
         without=tuple(options.without),
         digest=digest,
         others=[own_test(one) for _, one in others],
-        findings=[finding.entry for finding in findings],
+        findings=without_folders([finding.entry for finding in findings]),
         saturation_counts=options.saturation_counts,
         given=given,
         known=known,
@@ -95,7 +96,7 @@ def _diagnosed(options, folder):
     )
     if (doubt := throughput_in_doubt(Case(Path(options.test), estimate=result.temperature))) is not None:
         progress.warn(doubt.words)
-        result.report["findings"].append(doubt.entry)
+        result.report["findings"].append(without_folders(doubt.entry))
     for remark in diagnosis.remarks_on(data, inputs):
         progress.warn(remark)
     return result, [path for path in (test, *(path for path, _ in others)) if path.is_file()]

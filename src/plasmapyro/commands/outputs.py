@@ -4,6 +4,12 @@ import os
 from pathlib import Path
 
 
+def beside(test, ending):
+    """Name of a result of a test that nobody named; a dot in the name of a folder begins no ending."""
+    path = _real(test)
+    return Path(f"{path.name if path.is_dir() else path.stem}{ending}")
+
+
 def require_writable(outputs, inputs):
     """Refuse (ValueError) before the work begins what could not be written after it.
 

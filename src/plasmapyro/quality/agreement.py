@@ -5,6 +5,7 @@ from scipy.ndimage import maximum_filter1d, median_filter
 
 from plasmapyro.quality import late
 from plasmapyro.quality.rule import rule
+from plasmapyro.quality.series import medians
 from plasmapyro.radiation.bandsignal import BANDS
 from plasmapyro.record import status
 from plasmapyro.record.budget import NORMAL_95
@@ -273,13 +274,6 @@ def emittance_jumps(case, limit):
     return {"first": first, "second": second, "factor": float(np.exp(step[worst])), "count": step.size}
 
 
-def _medians(rows):
-    """Median (n,) of what is finite in each of some rows (n, m), NaN without any."""
-    found, good = np.full(len(rows), np.nan), np.isfinite(rows).any(axis=1)
-    found[good] = np.nanmedian(rows[good], axis=1)
-    return found
-
-
 @rule()
 def shape_of_spectra(case, limit):
     good = np.flatnonzero(case.result.spectrum_status.values == status.VALID)
@@ -296,7 +290,7 @@ def shape_of_spectra(case, limit):
     if not used.any():
         return None
     parts = np.array_split(np.flatnonzero(used), max(used.sum() // PIXELS, 1))
-    means = np.array([_medians(rest[:, part]) for part in parts if part.size])
+    means = np.array([medians(rest[:, part]) for part in parts if part.size])
     seen = np.isfinite(means).any(axis=0)  # not of a spectrum that is saturated there
     worst = float(np.median(np.sqrt(np.nanmean(means[:, seen] ** 2, axis=0))))
     return {"worst": worst} if worst > limit else None

@@ -62,12 +62,12 @@ def rates_disagree(case, limit):
     data = case.exposures
     counts, duration = data.exposure_counts.values, data.exposure_time.values[:, None]
     net = counts - data.exposure_dark.values
-    rates, open_ = net / duration, counts < data.attrs.get("saturation_counts", 6e4)
+    rates, told = net / duration, np.isfinite(net) & (counts < data.attrs.get("saturation_counts", 6e4))
     for second in range(1, len(net)):
         pair = [0, second]
         # What each should count, by the brighter of the two: a dark that holds the light leaves nothing.
         due = np.fmax(rates[0], rates[second]) * duration[pair]
-        both = (due > 0.02 * np.nanmax(net)).all(axis=0) & open_[pair].all(axis=0)
+        both = (due > 0.02 * np.nanmax(net)).all(axis=0) & told[pair].all(axis=0)
         if both.sum() < 10:
             continue
         first, other = np.maximum(np.median(rates[pair][:, both], axis=1), 0.0)

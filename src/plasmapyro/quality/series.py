@@ -27,6 +27,13 @@ def blocks(time, values, begin, end, least=0.0):
     return np.bincount(number, time) / count, mean.reshape(*values.shape[:-1], count.size)
 
 
+def medians(rows):
+    """Median (n,) of what is finite in each of some rows (n, m), NaN without any."""
+    found, good = np.full(len(rows), np.nan), np.isfinite(rows).any(axis=1)
+    found[good] = np.nanmedian(rows[good], axis=1)
+    return found
+
+
 def longest_run(same):
     """Index of the first sample and number of samples of the longest run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], np.asarray(same, dtype=int), [0]])))
@@ -93,7 +100,8 @@ def fall(time, values, length):
     values = np.maximum(values, FAINT / 10 * values.max(initial=0.0))
     if time.size < 6:
         return None
-    drop = -np.diff(np.log(values))
+    usual = np.diff(time) / np.median(np.diff(time))
+    drop = -np.diff(np.log(values)) / np.maximum(usual, 1.0)  # in a step, where samples are missing too
     change = np.abs(np.diff(drop))
     # A cooling surface goes on falling, and faster in the logarithm: the first large drop is the one.
     clear = max(LEAST_DROP, MANY * NORMAL_MAD * np.median(change), drop.max() / 3)

@@ -79,6 +79,17 @@ def condition_of(folder):
     return found if isinstance(found, str) else None
 
 
+def misplaced(tests):
+    """What keeps files of tests (name -> values) from their data, as far as their folders tell at once."""
+    for name, test in tests.items():
+        folder = Path(test["data_folder"])
+        described = folder / "test.yaml"
+        if not described.exists() and not (folder / "test.nc").exists():
+            yield f"data_folder of test {name}: {folder} holds neither test.nc nor test.yaml; {GUIDE}"
+        elif described.exists() and (lacking := set(test["instruments"]) - set(description.load(described))):
+            yield f"instruments of test {name}: {described} describes no {' and no '.join(sorted(lacking))}"
+
+
 # Absurd scales overflow to infinity, which the rules for a test then name.
 @np.errstate(over="ignore", invalid="ignore")
 def _read(folder):

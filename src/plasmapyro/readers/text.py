@@ -52,6 +52,7 @@ FILLS = (-999.0, -999.25, -9999.0, -99999.0, -999999.0, 9.9e37, -9.9e37, 9.91e37
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 ASIAN = re.compile(r"[\u3040-\u30ff\u4e00-\u9fff]")
 LINE_END = re.compile(r"\n\r(?!\n)|(\r+)(\n?)")  # OceanView ends its header lines with LF CR
+DOS_END = "\x1a"  # what programs of DOS write behind a text, up to the end of its block
 CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
 REPORTED = 10  # faults of a kind that are named before the rest is only counted
 LONGEST_LINE = 5_000_000  # characters; a header of 50 000 wavelengths has a tenth of that
@@ -138,6 +139,8 @@ def read_lines(path, limit):
     if words.endswith("\0") and not CONTROL.search(words.rstrip("\0")):
         what = f"ends in {len(words) - len(words.rstrip(chr(0)))} zero bytes, as after a loss of power"
         refuse(path, what, "the samples there are lost; remove the bytes if the test is before them")
+    if words.endswith(DOS_END):
+        words = words.rstrip(DOS_END).removesuffix("\n") + "\n"  # it says that nothing is cut off
     if CONTROL.search(words):
         refuse(path, "holds binary data, not text", "export the data as text")
     if "\r" in words:

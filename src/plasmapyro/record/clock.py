@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
+from plasmapyro.record import flags
+
 FARTHEST, STEP = 1.5, 0.05  # [s]: up to where, and in which steps, it is looked for
 FRAMES, DIM = 8, 0.02  # fewer spectra, brighter than so much of the brightest, do not tell a lag
 CLEARER = 1.5  # times the residual at another lag; normal noise of 30 spectra makes it 1.3 once in 1000 cases
@@ -107,8 +109,10 @@ def within_second(test, left):
     bends = "counts" in test
     values = test["counts" if bends else "spectral_radiance"]
     values = values - test.get("background_counts", 0.0) if bends else values
-    whole = values.notnull().all("spectrum_time").values  # pixels without a saturated moment
-    moments, light = test.spectrum_time.values, values.values[:, whole].mean(axis=1)
+    slit = float(test.attrs.get("spectrometer_fwhm", np.nan))
+    values = flags.without_rays(values.values, test.wavelength.values, slit)
+    whole = np.isfinite(values).all(axis=0)  # pixels without a saturated moment
+    moments, light = test.spectrum_time.values, values[:, whole].mean(axis=1)
     pair = np.stack([test.signal_wide.values, test.signal_narrow.values])
     known = np.isfinite(pair).all(axis=0)
     time, pair = test.time.values[known], pair[:, known]

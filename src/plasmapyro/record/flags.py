@@ -202,6 +202,12 @@ def sharper(values, wavelength, slit):
     return found | (found.mean(axis=0) > OFTEN)
 
 
+def without_rays(values, wavelength, slit):
+    """Samples (t, P) as of `sharper`; what lies beside them in the place of those that it finds."""
+    beside = (np.roll(values, -WIDEST, axis=1) + np.roll(values, WIDEST, axis=1)) / 2
+    return np.where(sharper(values, wavelength, slit), beside, values)
+
+
 def rounded(values, gas):
     r"""Samples (t, 2) where one of two channels bends away from the other: near its end, without a plateau.
 

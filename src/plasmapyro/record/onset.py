@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtr, stdtrit
 
 LEAST_SAMPLES = 8  # in a window; fewer tell no trend from scatter
 SIGNIFICANT = 4.0  # standard deviations; reached by chance in 1 of 16 000 windows
@@ -39,7 +40,8 @@ def trend(time, values, window):
               u^2(b) = \frac{s^2}{\sum (u^p - \overline{u^p})^2}\,\frac{1 + r_1}{1 - r_1}
 
     with the lag-one correlation r_1 (>= 0) of the residuals, p among `POWERS`, of at least `LEAST_SAMPLES`
-    samples.
+    samples. s of few samples is uncertain itself: as Student's distribution has it, chance passes
+    `SIGNIFICANT` of the uncertainties that are given as rarely as of normal ones.
     """
     share = (time - window[0]) / (window[1] - window[0])
     found = []
@@ -52,6 +54,7 @@ def trend(time, values, window):
     noise, growth, power, mean, rest = min(found, key=lambda one: one[0])
     memory = np.clip(np.sum(rest[1:] * rest[:-1]) / noise, 0.0, 0.99) if noise > 0 else 0.0
     uncertainty = np.sqrt(noise / (time.size - 2) / power * (1 + memory) / (1 - memory))
+    uncertainty *= stdtrit(time.size - 3, ndtr(SIGNIFICANT)) / SIGNIFICANT
     # A signal without any noise; one of zeros has neither growth nor uncertainty.
     floor = np.finfo(float).eps * np.abs(values).max() / np.sqrt(power) + np.finfo(float).tiny
     return Trend(float(growth), float(growth / max(uncertainty, floor)), float(growth * mean))
