@@ -378,6 +378,26 @@ def test_a_slit_is_seen_beside_a_continuum_that_outshines_the_gas(fitted, record
         assert found[1].amplitude == pytest.approx(blur, rel=0.2)
 
 
+def test_errors_of_lines_move_with_their_scale(fitted, record):
+    """Atoms brighter by three standard deviations cost what they do in place; where the lines had been, a
+    fainter one passed for one that had moved less."""
+    base = fitted(record())
+    simulated = Simulated(base.model, measured_gas(base.model, base.solution), {})
+    fitter, plain = settled(simulated)
+    costs = []
+    for settings in ((), (Setting(CATALOGUE["wshift"], 0.7, {}),)):
+        moved = simulated.through(settings)
+        light = simulated.light(0.0, 0.0, settings)
+        np.testing.assert_allclose(moved.seen, light, rtol=1e-9)
+        brighter = 3.0 * moved.strength[[simulated.systems.index(name) for name in ("N I", "O I")]].sum(
+            axis=0
+        )
+        there = fitter.about(replace(plain, power=0.0, brightness=0.0, settings=settings))
+        costs += [np.sum(one.white(brighter)[0] ** 2) for one in (there, fitter)]
+    print(costs)
+    assert costs[2] == pytest.approx(costs[0], rel=0.2) and costs[2] < 0.5 * costs[3]
+
+
 @pytest.mark.parametrize(("shift", "names"), [(0.0, []), (0.3, ["wshift"])])
 def test_lines_of_a_gas_of_another_pressure_stand_where_they_are(rippled, monkeypatch, shift, names):
     """A gas of other strengths than simulated: no cause of them has a name, a scale that is off has.

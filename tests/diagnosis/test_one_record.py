@@ -10,8 +10,10 @@ import xarray as xr
 from small_laboratory import OFF, SLIT_FWHM, temperature_of
 
 from plasmapyro.diagnosis import command
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit import observation
 from plasmapyro.diagnosis.fit.build import base_model
+from plasmapyro.diagnosis.fit.setting import Setting
 from plasmapyro.diagnosis.gas.library import gas_library
 from plasmapyro.diagnosis.report.kelvin import paper_temperature
 from plasmapyro.diagnosis.stage import diagnose
@@ -200,6 +202,23 @@ def test_an_uncertain_slope_of_the_emittance_is_one_of_bands_and_of_spectra(labo
         np.testing.assert_allclose(found, expected, rtol=1e-6)
     ratio = [one.parameters[one.index["ratio"]].sigma for one in (model, plain)]
     assert ratio[0] == ratio[1] and "emittance_slope" not in plain.index
+
+
+def test_clocks_that_are_a_little_apart_are_what_clocks_that_disagree_are(laboratory, record):
+    made = record_of(record(noise=0.0), {"pyrometer": None, "spectrometer": None})
+    model = base_model(made, library(laboratory), laboratory.calibration, laboratory.response)
+    kelvin = 400 + 1000 * (1 - np.exp(-model.history.knots / 15))
+    values = np.array([one.centre for one in model.parameters])
+    moved = values + 0.3 * np.eye(values.size)[model.index["clocks"]]
+    for which, instrument in enumerate(model.instruments):
+        plain, found = (model.evaluate(which, kelvin, one) for one in (values, moved))
+        expected = model.evaluate(which, kelvin, values, (Setting(CATALOGUE["clock"], 0.3, {}),))
+        np.testing.assert_array_equal(found, expected)
+        assert (np.nanmax(np.abs(found / plain - 1)) > 0.01) == (instrument.kind == "pyrometer")
+        np.testing.assert_array_equal(model.evaluate(which, kelvin, values), plain)  # what is kept is right
+    alone = record_of(record(noise=0.0), {"pyrometer": None})
+    rest = library(laboratory), laboratory.calibration, laboratory.response
+    assert "clocks" not in base_model(alone, *rest).index
 
 
 @pytest.mark.parametrize("slope", [1.0, 1.02])

@@ -9,7 +9,7 @@ import pytest
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit.setting import Setting, numbers_of
 from plasmapyro.diagnosis.select.alternatives import by_other_window
-from plasmapyro.diagnosis.select.prices import needed
+from plasmapyro.diagnosis.select.prices import needed, outdone
 from plasmapyro.diagnosis.select.rounds import beside_unknown, walk
 from plasmapyro.diagnosis.select.screen import Candidate, Screen
 from plasmapyro.diagnosis.select.search import Search, Step
@@ -74,6 +74,22 @@ def test_what_explains_half_of_an_unknown_is_named_beside_what_it_leaves(search,
     if named:
         assert found.solution is chosen
         assert walk(search, [before, found], {})[1] == "walk_pyrometer"
+
+
+@pytest.mark.parametrize(
+    ("evidence", "names", "retracted"),
+    [
+        (74.0, ["winE"], True),
+        (76.0, ["winE"], False),
+        (74.0, ["winE", "edge_p"], True),
+        (34.0, ["CN"], False),
+        (32.0, ["h2o", "winE"], True),
+        (0.0, [], False),
+    ],
+)
+def test_names_that_something_unknown_clearly_outdoes_are_none(evidence, names, retracted):
+    """Log Bayes factor 100 of it: three quarters, a third of lines and bands."""
+    assert outdone(solution(0.0, *names).settings, evidence, 100.0) == retracted
 
 
 @pytest.mark.parametrize(("amplitude", "taken"), [(0.01, ["P_eff", "winE"]), (0.8, ["P_eff"])])

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from scipy.stats import norm
 
-from plasmapyro.diagnosis.fit.slit import seen_slit, with_lines
+from plasmapyro.diagnosis.fit.slit import _Line, seen_slit, with_lines
 from plasmapyro.diagnosis.gas.library import _of_scale
 from plasmapyro.record.record import Instrument, Record
 
@@ -93,6 +93,16 @@ def test_noise_makes_it_uncertain_and_not_wrong(gas, radiation):
     quiet, noisy = (seen_slit(record(gas, 0.2e-9, noise=one), radiation) for one in (0.002, 5.0))
     assert noisy.error > 1.5 * quiet.error
     assert abs(noisy.extra - 0.04) < 3 * noisy.error
+
+
+@pytest.mark.parametrize(("bright", "seen"), [(0.0, False), (0.002, False), (0.05, True)])
+def test_a_line_counts_by_ten_standard_errors_of_its_light(bright, seen):
+    """Where a slit of 3 nm had drowned all, lines told 0.6 +- 0.3: flat light takes any width."""
+    axis = 800e-9 + np.arange(-4e-9, 4e-9, FWHM / 40)
+    emitted = np.stack([norm.pdf(axis, 800e-9, NARROW) * 1e-9, 1 + (axis - 800e-9) / 4e-9])
+    pixels = 800e-9 + np.arange(-1.2e-9, 1.25e-9, 0.1e-9)
+    light = bright * norm.pdf(pixels, 800e-9, SIGMA) * 1e-9 + 2.0 + 0.1 * (pixels - 800e-9) / 4e-9
+    assert _Line(pixels, light, np.full(pixels.size, 1e-3), axis, emitted, FWHM).seen == seen
 
 
 def test_without_light_before_the_injection_or_lines_there_is_none(gas, radiation):
