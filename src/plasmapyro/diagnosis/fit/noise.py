@@ -31,8 +31,8 @@ OF_HIGHEST = 0.1  # of a signal: samples that tell how gains flicker, fainter on
 OWN = 0.05  # [1], of the variance that bands share: the least that each has besides
 OCTAVE = 1e-4  # [1] ASSUME: flicker of the gain of a band in each octave of time, to a factor of `LOOSE`
 CORNER = 0.3  # [Hz] ASSUME: below it an amplifier flickers more than it rustles, to a factor of `LOOSE`
-# [s] ASSUME: of samples, which electronics times, and frames, which a computer starts and dates by ticks of 10
-# to 16 ms (Microsoft, GetTickCount); of so many degrees of freedom
+# [s] ASSUME: of samples, which electronics times, and frames, which a computer starts and dates by ticks of
+# 10 to 16 ms (Microsoft, GetTickCount); of so many degrees of freedom
 JITTER = {"pyrometer": 5e-4, "spectrometer": 1e-2}
 JITTER_FREEDOM, OF_PERIOD = 2.0, 0.1  # and at most so much of the time between two
 LEAST_JITTER, JITTER_ROUNDS = 0.1, 5  # [1] of the usual one; rounds of weights by what was found
