@@ -78,7 +78,7 @@ def test_a_fault_lies_along_the_axis_that_it_changes_along(model, fault, identit
 
 def hum(model, which, time, temperature, value):
     """The mains, sampled near a multiple of its period: a zero that swings within a few bins."""
-    swing = 0.002 * np.median(value, axis=0) * np.sin(2 * np.pi * 0.45 * time)[:, None]
+    swing = 0.002 * np.median(value, axis=0) * np.sin(2 * np.pi * 0.41 * time)[:, None]
     return 1 + swing / value if which == 0 else 1.0
 
 

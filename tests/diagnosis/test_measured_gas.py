@@ -231,7 +231,7 @@ def test_each_round_of_a_fit_goes_on_from_the_last(monkeypatch):
         return len(starts)
 
     monkeypatch.setattr(Fitter, "__init__", lambda *rest: None)
-    monkeypatch.setattr(Fitter, "light", lambda self, fit: None)
+    monkeypatch.setattr(Fitter, "about", lambda self, fit: self)
     monkeypatch.setattr(Fitter, "fit", fit)
     settled(SimpleNamespace(measured=SimpleNamespace(simulated=None)))
     assert starts == [None, 1, 2]

@@ -218,7 +218,11 @@ def test_clocks_that_are_a_little_apart_are_what_clocks_that_disagree_are(labora
         np.testing.assert_array_equal(model.evaluate(which, kelvin, values), plain)  # what is kept is right
     alone = record_of(record(noise=0.0), {"pyrometer": None})
     rest = library(laboratory), laboratory.calibration, laboratory.response
-    assert "clocks" not in base_model(alone, *rest).index
+    assert not {"clocks", "moments"} & {*base_model(alone, *rest).index}
+    event = values + 0.3 * np.eye(values.size)[model.index["moments"]]
+    for which in range(2):
+        plain, found = (model.evaluate(which, kelvin, one) for one in (values, event))
+        assert np.nanmax(np.abs(found / plain - 1)) > 0.01
 
 
 @pytest.mark.parametrize("slope", [1.0, 1.02])

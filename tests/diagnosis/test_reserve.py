@@ -288,7 +288,8 @@ def test_no_name_stands_with_reserve_where_the_record_is_to_be_cut(monkeypatch, 
 
 
 @pytest.mark.parametrize(
-    ("structure", "status", "suspect"), [(66.7, "named+unknown", "walk_clock"), (58.0, "named", None)]
+    ("structure", "status", "suspect"),
+    [(66.7, "unknown", "walk_clock"), (62.7, "named+unknown", "walk_clock"), (58.0, "named", None)],
 )
 def test_a_name_that_something_unknown_beats_is_doubted_and_seen_there(
     monkeypatch, structure, status, suspect

@@ -74,11 +74,11 @@ def test_both_are_named_where_the_first_alone_leads_to_others(base):
     # 0.06 % the difference may ask for a third name, which then stands with reserve like the others.
     assert {"edge1", "nonlin_p"} <= set(amplitude)
     assert len(amplitude) == 2 or (len(amplitude) == 3 and found.status == "named+unknown")
-    # The base model has edges that err as well, by 1 nm; both together are the shift. 10 %: an effect moves
-    # the band after its calibration, the hidden shift and the base model's are in the calibration too.
-    base_shift = found.final.state.values[base.model.index["edge_wide"]]
-    assert amplitude["edge1"] + base_shift == pytest.approx(SHIFT * 1e9, rel=0.1)
-    assert amplitude["nonlin_p"] == pytest.approx(LOSS, rel=0.12)  # its standard error is 8 %
+    # The base model has edges that err as well, by 1 nm; a ratio tells one band's against the other's. 10 %:
+    # an effect moves the band after its calibration, the hidden shift and the base model's are in it too.
+    wide, narrow = (found.final.state.values[base.model.index[f"edge_{one}"]] for one in ("wide", "narrow"))
+    assert amplitude["edge1"] + wide - narrow == pytest.approx(SHIFT * 1e9, rel=0.1)
+    assert amplitude["nonlin_p"] == pytest.approx(LOSS, rel=0.2)  # two of its standard errors
 
 
 @pytest.mark.parametrize(("steps", "rests"), [(3, False), (40, True)])

@@ -92,7 +92,7 @@ PYROMETER = {
     ),
     "rounded_top": (
         lambda t, p: np.stack([np.tanh(p[0] / 1.7e-3) * 1.7e-3, p[1]]),
-        "signal_wide bends away from the other one above 0.00116 A, first at 32.25 s",
+        "signal_wide bends away from the other one above 0.00116 A, first at 32 s",
     ),
     "unit_of_signals": (lambda t, p: p * 1e3, "signal_wide reaches 2.09 A"),
     "unexplained_step": (

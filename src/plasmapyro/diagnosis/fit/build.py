@@ -40,6 +40,7 @@ OF_GAS = ("gas", "before_injection", "before_power")
 # [s] ASSUME: of two computers, each a tick of 15.6 ms and its network time: "low tens of milliseconds" over
 # wide networks, D. Mills et al., RFC 5905 (2010)
 CLOCKS = 0.02
+MOMENTS = 0.05  # [s] ASSUME: of injection and end, which are stated by hand, against what instruments see
 GAIN_SIGMA = 0.02  # [1] of each instrument between calibration and test
 
 
@@ -120,7 +121,10 @@ def base_model(
     else:
         parameters = tuple(replace(one, sigma=EXACT) if one.id in OF_GAS else one for one in parameters)
     if len(instruments) > 1:
-        parameters += (Parameter("clocks", "clock of the pyrometer", CLOCKS, "s", instrument="pyrometer"),)
+        parameters += (
+            Parameter("clocks", "clock of the pyrometer", CLOCKS, "s", instrument="pyrometer"),
+            Parameter("moments", "moments of injection and end", MOMENTS, "s"),
+        )
     slope = 0.0 if others is not None else tilt(record.emittance_slope, response)
     errors = [persistent(one, edges[0], edges[-1], 0.0 if plasma else ROUGH, pauses) for one in instruments]
     rest = parameters, record, slope, axis, lamp, errors, given

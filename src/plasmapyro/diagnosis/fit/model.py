@@ -227,7 +227,7 @@ class Model:
     def scene(self, which, temperatures, values, settings):
         """Scene of an instrument and, on the same shape, the slope of its black body."""
         instrument = self.instruments[which]
-        late = sum(setting.late(instrument.kind) for setting in settings)
+        late = float(self.value(values, "moments")) + sum(one.late(instrument.kind) for one in settings)
         if instrument.kind == "pyrometer":
             late += float(self.value(values, "clocks"))
         basis, temperature, body, slope = self._glow(which, late, temperatures)
