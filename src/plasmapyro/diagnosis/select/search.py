@@ -105,7 +105,9 @@ class Search:
         newest = found.settings[-1]
         if newest.effect.starts and len(self.model.instruments) > 1:  # one alone differs from no other clock
             begun = [(*step.settings, replace(newest, shape=dict(one))) for one in newest.effect.starts]
-            found = _best([found, *(self.fit(step.solution, settings) for settings in begun)])
+            # Without a clock the base model has moved its own as far as it goes.
+            begin = step.solution if newest.effect.clock is None else found
+            found = _best([found, *(self.fit(begin, settings) for settings in begun)])
         if candidate.step is not None:
             found = self.from_all_shapes(step, found)
             return _best([found, *self._beside(found)])
