@@ -36,7 +36,7 @@ from plasmapyro.diagnosis.simulation.compare import (
 )
 from plasmapyro.diagnosis.simulation.errors import raise_errors, spectroscopy
 from plasmapyro.diagnosis.simulation.fitter import Fit, Fitter, settled
-from plasmapyro.diagnosis.simulation.measured import measured_gas
+from plasmapyro.diagnosis.simulation.measured import NO_GAIN, measured_gas
 from plasmapyro.diagnosis.simulation.simulated import Simulated
 from plasmapyro.diagnosis.simulation.systems import _beyond
 from plasmapyro.record.record import record_of
@@ -378,6 +378,11 @@ def test_a_slit_is_seen_beside_a_continuum_that_outshines_the_gas(fitted, record
         assert found[1].amplitude == pytest.approx(blur, rel=0.2)
 
 
+def test_times_scale_no_light(fitted, record):
+    times = {one.id for one in fitted(record()).model.own if one.unit == "s"}
+    assert times == {"clocks", "moments"} and times <= set(NO_GAIN)
+
+
 def test_errors_of_lines_move_with_their_scale(fitted, record):
     """Atoms brighter by three standard deviations cost what they do in place; where the lines had been, a
     fainter one passed for one that had moved less."""
@@ -394,7 +399,6 @@ def test_errors_of_lines_move_with_their_scale(fitted, record):
         )
         there = fitter.about(replace(plain, power=0.0, brightness=0.0, settings=settings))
         costs += [np.sum(one.white(brighter)[0] ** 2) for one in (there, fitter)]
-    print(costs)
     assert costs[2] == pytest.approx(costs[0], rel=0.2) and costs[2] < 0.5 * costs[3]
 
 

@@ -163,6 +163,7 @@ def test_exposures_as_long_as_the_sample_takes_to_heat_show_no_step():
         {"wavelength": wavelength, "spectrum_time": middle},
     )
     assert len(level_steps(result)[1]) == middle.size - 1
+    assert [one.size for one in level_steps(result.isel(spectrum_time=[0]))[1:]] == [0, 0]
     assert level_jumps(result, 0.15)[1].size == 0
 
 

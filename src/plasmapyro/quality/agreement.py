@@ -238,8 +238,10 @@ def level_steps(result):
     around = median_filter(np.nan_to_num(light), (1, PIXELS))
     clear = (around > CLEAR * noise) & (around > gas / MOST_GAS) & (light > 0)
     seen = clear[good[:-1]] & clear[good[1:]]
-    change = np.log(light[good[1:]] / light[good[:-1]], where=seen, out=np.zeros(seen.shape))
-    ramp = maximum_filter1d(np.abs(change.sum(axis=1)) / np.maximum(seen.sum(axis=1), 1), 3)
+    first, second = (np.where(seen, light[at], 1.0) for at in (good[:-1], good[1:]))
+    change = np.log(second / first)
+    steps = np.abs(change.sum(axis=1)) / np.maximum(seen.sum(axis=1), 1)
+    ramp = maximum_filter1d(steps, 3) if steps.size else steps
     for place, both, ratio, steep in zip(
         zip(good[:-1], good[1:], strict=True), seen, change, ramp, strict=True
     ):

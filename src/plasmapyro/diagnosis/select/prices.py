@@ -7,7 +7,7 @@ from plasmapyro.diagnosis.fit.setting import FORMULA, KIN, SPILL
 HALF = 0.5  # of the log Bayes factor of an unknown structure: an effect that explains so much, by an inexact
 # formula, is named beside what it leaves
 FOREIGN, AIR = "foreign matter", "air"  # classes of effects
-CLEARLY = 0.9  # the same of names at the end: of those that explained less, 45 of 49 were wrong
+CLEARLY = 0.9  # the same of names at the end: of those that explained less, 44 of 48 were wrong
 SPECTRUM = 1 / 3  # the same of foreign matter, whose lines and bands are to each other as its excitation says
 MARGIN = 3.0  # log Bayes factor by which an unknown structure must beat an effect
 SHARE = 0.15  # of what an unknown structure explains: an effect beside it must explain as much
