@@ -18,6 +18,7 @@ from plasmapyro.radiation.planck import planck
 from plasmapyro.record.record import Record
 
 BAND_RTOL = 2e-3  # of a formula for an infinitely narrow band, applied to a node of 6 nm
+LEVEL_RTOL = 0.01  # errors of the faintest channels count from the mean light
 IDS = (
     "refl eps_slope eps_T eps_ox winD winE winD_sl winE_sl off1 off2 off_s torchglow nonlin_p nonlin_s phi"
     " edge1 edge2 resp_long wshift lsf stray second P_eff T_exc T_vib ripple selfabs contin gas_drift bl"
@@ -78,6 +79,21 @@ def test_what_pixels_do_is_counted_the_same_however_they_are_joined(join):
     for identity, pixel in truth.items():
         found = CATALOGUE[identity].output(output, 0.1)[0]
         assert found == pytest.approx(joined(pixel) * factor, rel=2e-3)  # a joined bin varies
+
+
+@pytest.mark.parametrize("identity", ["off1", "off2", "off_s"])
+def test_what_counts_in_units_of_the_gas_counts_in_those_of_the_measured_one(model, state, identity):
+    """The same share of a gas half as bright again as simulated is half as large again."""
+    (which,) = [i for i, one in enumerate(model.instruments) if one.kind in CATALOGUE[identity].instruments]
+    fault = (Setting(CATALOGUE[identity], 0.1, {}),)
+
+    def shown(error, **of_level):
+        plain = model.evaluate(which, *state, gas_error=error)
+        return model.evaluate(which, *state, fault, gas_error=error, **of_level) - plain
+
+    none = np.zeros(model.instruments[which].channels)
+    np.testing.assert_allclose(shown(none + 0.5), 1.5 * shown(none), rtol=LEVEL_RTOL)
+    np.testing.assert_allclose(shown(none + 0.5, level_error=none), shown(none), rtol=1e-6)
 
 
 def test_one_hit_is_not_the_largest_count_of_a_test():

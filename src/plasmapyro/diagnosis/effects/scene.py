@@ -64,8 +64,8 @@ class Output:
     """What an instrument shows: `value` (n, C) [A or W m-2 sr-1 m-1], and what its faults may depend on.
 
     `factor` (C,): radiance per count rate of the spectrometer, None for the pyrometer; `gas_level` (C,):
-    signal of the gas alone after injection; `full_scale`: largest value (C,) of the test, or the largest
-    count rate of a pixel; `pixels` (C,): how many each channel holds.
+    signal of the gas alone after injection, as it is fitted, not as it is simulated; `full_scale`: largest
+    value (C,) of the test, or the largest count rate of a pixel; `pixels` (C,): how many each channel holds.
     """
 
     kind: str

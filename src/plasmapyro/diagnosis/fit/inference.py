@@ -152,13 +152,18 @@ class Fitter:
         return columns
 
     def gas_rows(self, state, settings, predicted):
-        """Changes (2, n, C) per instrument for errors of its gas of 1 in every channel: at all times, and
-        before the injection besides."""
+        """Changes (2, n, C) per instrument for errors of its gas of 1 in a channel alone: at all times, and
+        before the injection besides. A level that all channels share stays."""
         now = with_numbers(settings, state.amplitudes)
 
         def changed(which, value, more):
-            error = state.error_of_gas(which) + more
-            return self.model.evaluate(which, state.knots, state.values, now, gas_error=error) - value
+            own = state.error_of_gas(which)
+            return (
+                self.model.evaluate(
+                    which, state.knots, state.values, now, gas_error=own + more, level_error=own
+                )
+                - value
+            )
 
         return [
             np.stack([changed(which, value, more) for more in ([[1.0], [0.0]], [[0.0], [1.0]])])

@@ -302,8 +302,13 @@ class Model:
                 scene = setting.effect.light(scene, setting.amplitude, **setting.shape)
         return scene, slope, basis, ordered
 
-    def evaluate(self, which, temperatures, values, settings=(), *, slopes=False, gas_error=0.0):
-        """Values (n, C) of an instrument; with `slopes` also their derivative by the knots (n, C, K)."""
+    def evaluate(
+        self, which, temperatures, values, settings=(), *, slopes=False, gas_error=0.0, level_error=None
+    ):
+        """Values (n, C) of an instrument; with `slopes` also their derivative by the knots (n, C, K).
+
+        Faults that count in units of the gas may have theirs at another error `level_error`: as it is.
+        """
         instrument = self.instruments[which]
         scene, slope, basis, ordered = self.changed_scene(which, temperatures, values, settings)
         gas = self._gas(instrument, scene, gas_error)
@@ -314,13 +319,14 @@ class Model:
         value = gain * self._channels(light.mean(axis=1), weight)
         detecting = [setting for setting in ordered if setting.effect.output is not None]
         if detecting:
+            level = gas if level_error is None else self._gas(instrument, scene, level_error)
             output = Output(
                 instrument.kind,
                 instrument.time,
                 self.off,
                 value,
                 instrument.factor,
-                self._gas_level(instrument, scene, weight, gain),
+                self._gas_level(instrument, scene, level, weight, gain),
                 np.nanmax(instrument.value, axis=0) if instrument.highest is None else instrument.highest,
                 instrument.pixels,
                 instrument.wavelength,
@@ -431,11 +437,14 @@ class Model:
             return light, light
         return np.maximum(light, FAINTEST * light.mean()), light
 
-    def _gas_level(self, instrument, scene, weight, gain):
-        return (
-            gain.mean(axis=0)
-            * self._channels(self._on_nodes(instrument, scene.spectrum[None], scene), weight)[0]
-        )
+    def _gas_level(self, instrument, scene, gas, weight, gain):
+        """Signal (C,) of the gas (n, 2, M) after the injection, mean while it shines; simulated if never."""
+        share = scene.injected * scene.plasma
+        if np.any(share):
+            light = np.tensordot(share / share.sum(), gas)
+        else:
+            light = self._on_nodes(instrument, scene.spectrum[None], scene)[0]
+        return gain.mean(axis=0) * self._channels(light, weight)
 
 
 def moved(axis, spectra, shift, sigma2):
