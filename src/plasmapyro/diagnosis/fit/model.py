@@ -439,7 +439,7 @@ class Model:
 
     def _gas_level(self, instrument, scene, gas, weight, gain):
         """Signal (C,) of the gas (n, 2, M) after the injection, mean while it shines; simulated if never."""
-        share = scene.injected * scene.plasma
+        share = scene.injected * scene.plasma * (scene.gas_gain > 0)
         if np.any(share):
             light = np.tensordot(share / share.sum(), gas)
         else:
