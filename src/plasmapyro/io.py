@@ -135,7 +135,7 @@ def labelled(dataset, contract, sources=(), config=None):
         "plasmapyro_version": dict(versions())["plasmapyro"],
         "versions": told(),
         "configuration": json.dumps(config or {}, sort_keys=True, default=str),
-        "sources": "\n".join(f"{digest(source)}  {_told(source)}" for source in sources),
+        "sources": "\n".join(f"{digest(source)}  {told_path(source)}" for source in sources),
     }
     for variable in dataset.variables.values():
         fill = None if variable.dtype.kind != "f" else float("nan")
@@ -143,7 +143,7 @@ def labelled(dataset, contract, sources=(), config=None):
     return dataset
 
 
-def _told(path):
+def told_path(path):
     """A path as a file that travels may hold it: from the folder of the call on, or the bare name."""
     path = Path(path)
     if not path.is_absolute():

@@ -216,6 +216,7 @@ def test_the_command_writes_a_prior_that_reads_back(folder):
     [
         (lambda plan: plan["tests"].reverse(), "stands after a later one"),
         (lambda plan: plan["tests"][1].update(name="run00"), "listed twice"),
+        (lambda plan: plan["tests"][1].update(material="sic"), "'sic' and 'SiC'; write one in one way"),
         (lambda plan: plan["tests"][0].update(materiel="C/SiC"), "materiel"),
         (lambda plan: plan["tests"][0].update(diagnosis="none.json"), "none.json: no such file; a name"),
         (lambda plan: plan["tests"][0].update(diagnosis="campaign.yaml"), "no diagnosis.json"),

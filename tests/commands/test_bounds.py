@@ -9,10 +9,13 @@ import h5py
 import netCDF4
 import numpy as np
 import pytest
+import xarray as xr
 from judge import judge, require_refused
 
+from plasmapyro import io
 from plasmapyro.commands import options
-from plasmapyro.commands.outputs import beside, require_writable
+from plasmapyro.commands.outputs import beside, require_of_test, require_writable
+from plasmapyro.readers.stage import sources
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
 TEST, LAMP = EXAMPLE / "my_test", EXAMPLE / "calibration"
@@ -182,7 +185,27 @@ def test_results_of_two_folders_that_differ_behind_a_dot_lie_apart(tmp_path, mon
     (tmp_path / "Nr. 1/shot.3.nc").touch()
     assert beside(tmp_path / "Nr. 1/shot.3.nc", "_diagnosis") == Path("shot.3_diagnosis")
     monkeypatch.chdir(tmp_path / "Nr. 2")
-    assert beside(".", "_diagnosis") == Path("Nr. 2_diagnosis")
+    assert beside(".", "_diagnosis") == Path("../Nr. 2_diagnosis")  # what is read is not written into
+
+
+@pytest.mark.parametrize("absolute", [False, True])
+def test_a_result_of_another_test_of_the_same_name_is_not_lost(tmp_path, monkeypatch, absolute):
+    monkeypatch.chdir(tmp_path)
+    base = tmp_path.parent / f"{tmp_path.name}_elsewhere" if absolute else Path()
+    for k, day in enumerate(("monday", "tuesday")):
+        folder = base / day / "test1"
+        folder.mkdir(parents=True)
+        (folder / "test.yaml").write_text("title: copied from one test to the next\n")
+        (folder / "signals.csv").write_text(f"{k}\n")
+    monday, tuesday = base / "monday/test1", base / "tuesday/test1"
+    require_of_test(beside(monday, "_temperature.nc"), monday)
+    lines = [f"{io.digest(one)}  {io.told_path(one)}" for one in sources(monday)]
+    xr.Dataset(attrs={"sources": "\n".join(lines)}).to_netcdf("test1_temperature.nc")
+    require_of_test(Path("test1_temperature.nc"), monday)
+    with pytest.raises(ValueError, match="the result of another test, of .*; name yours with --out"):
+        require_of_test(Path("test1_temperature.nc"), tuesday)
+    (monday / "test.yaml").write_text("title: corrected\n")
+    require_of_test(Path("test1_temperature.nc"), monday)
 
 
 def test_a_folder_that_may_not_be_written_is_refused_before_the_work(tmp_path, monkeypatch):

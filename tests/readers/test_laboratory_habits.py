@@ -361,3 +361,13 @@ def test_columns_that_are_absent_are_said_beside_those_that_are_there(tmp_path):
     """Arrays within a struct of Matlab or a record of HDF5 have the name of both, as no viewer shows it."""
     told = faults(tmp_path, rows(header="log.t;log.S1;log.S2;Kommentar"))[0]
     assert "no column 't', 'S1', 'S2' in the header of 'log.t', 'log.S1', 'log.S2', 'Kommentar'" in told
+
+
+@pytest.mark.parametrize("name", ["Test.yaml", "test.yml", "TEST.YML", "test.yaml.txt"])
+def test_a_description_of_nearly_the_right_name(tmp_path, name):
+    folder = samples.folder(tmp_path / "t", samples.CSV, pyrometer__csv=rows())
+    (folder / "test.yaml").rename(folder / "renamed")
+    (folder / "renamed").rename(folder / name)
+    assert check_test(folder) == [
+        f"{folder}: holds neither test.nc nor test.yaml; rename {name} to test.yaml"
+    ]

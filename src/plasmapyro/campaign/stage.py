@@ -70,6 +70,7 @@ def tests_of(plan, reports):
         for one in plan["tests"]
         if "posterior" not in reports[one["name"]]
     ]
+    faults += _spellings([one["material"] for one in entries])
     faults = faults or [*_same(plan, reports), *_other_calibrations(plan, reports)]
     if faults:
         raise ValueError("\n  ".join(faults))
@@ -100,6 +101,15 @@ def _days(dates, cleanings):
             faults.append(f"{text}: {reason}")
 
     return [day(one) for one in dates], [day(one) for one in cleanings], list(dict.fromkeys(faults))
+
+
+def _spellings(materials):
+    """Faults: materials that differ by capitals and signs alone, which would count as two."""
+    known = {}
+    for one in dict.fromkeys(materials):
+        first = known.setdefault("".join(sign for sign in one.lower() if sign.isalnum()), one)
+        if first != one:
+            yield f"tests: materials '{first}' and '{one}'; write one in one way, or name two apart"
 
 
 def _same(plan, reports):

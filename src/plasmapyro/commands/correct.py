@@ -12,7 +12,7 @@ from plasmapyro.checks import counted
 from plasmapyro.commands.instrument import calibration_of
 from plasmapyro.commands.joint import by_joint_inference
 from plasmapyro.commands.options import settings, told
-from plasmapyro.commands.outputs import beside, require_writable
+from plasmapyro.commands.outputs import beside, require_of_test, require_writable
 from plasmapyro.estimate.emissivity_stage import estimate_emissivity
 from plasmapyro.experiment.stage import correct_pyrometer, correct_spectra, middle_exposure
 from plasmapyro.page.words import without_folders
@@ -43,6 +43,8 @@ def run(options):
     page = None if options.no_html else options.html or Path(out).with_suffix(".html")
     places = [path for path in (out, page, options.plot) if path]
     require_writable(places, [options.test, options.instrument])
+    if not options.out:
+        require_of_test(out, options.test)
     test, result, said = corrected(options)
     progress.say(f"writing {out}")
     io.write_labelled([(out, result)])

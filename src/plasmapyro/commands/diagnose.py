@@ -8,7 +8,7 @@ import numpy as np
 from plasmapyro import io, progress
 from plasmapyro.commands.correct import trial
 from plasmapyro.commands.instrument import calibration_of
-from plasmapyro.commands.outputs import beside, require_folder
+from plasmapyro.commands.outputs import beside, require_folder, require_of_test
 from plasmapyro.commands.priors import read_priors
 from plasmapyro.commands.terms import read_terms, warn_of_absent
 from plasmapyro.diagnosis import command as diagnosis
@@ -18,7 +18,7 @@ from plasmapyro.page.words import without_folders
 from plasmapyro.quality.agreement import throughput_in_doubt
 from plasmapyro.quality.catalogue import of_test, own_test
 from plasmapyro.quality.rule import Case
-from plasmapyro.readers.stage import read_with_files
+from plasmapyro.readers.stage import read_with_files, sources
 from plasmapyro.record import status
 from plasmapyro.record.inputs import has_plasma, instruments
 
@@ -31,10 +31,13 @@ def run(options):
     read = [options.test, *options.also, options.radiance, options.instrument, options.variations]
     read += [options.given, options.priors]
     require_folder(out, diagnosis.NAMES, read)
-    result, sources = diagnosed(options)
+    if not options.out:
+        require_of_test(out / "temperature.nc", options.test)
+    result, read = diagnosed(options)
     progress.say(f"writing {out}")
-    truth = diagnosis.truth_of(sources[0]) if sources else None
-    diagnosis.write_all(result, out, sources=sources, page=diagnosis.page_writer(), truth=truth)
+    diagnosis.write_all(
+        result, out, sources=read, page=diagnosis.page_writer(), truth=diagnosis.truth_of(read[0])
+    )
     said = result.report["verdict"]["sentences"][0], result.temperature.attrs["recommended_because"]
     sys.stdout.write("\n".join([*said, *_following(result.report)]) + "\n")
     progress.say("done")
@@ -99,7 +102,7 @@ def _diagnosed(options, folder):
         result.report["findings"].append(without_folders(doubt.entry))
     for remark in diagnosis.remarks_on(data, inputs):
         progress.warn(remark)
-    return result, [path for path in (test, *(path for path, _ in others)) if path.is_file()]
+    return result, [file for path in (test, *(path for path, _ in others)) for file in sources(path)]
 
 
 def _unlike_a_surface(test, tried):

@@ -3,11 +3,43 @@
 import os
 from pathlib import Path
 
+from plasmapyro import io
+from plasmapyro.contracts import ContractError
+from plasmapyro.readers.stage import sources
+
 
 def beside(test, ending):
-    """Name of a result of a test that nobody named; a dot in the name of a folder begins no ending."""
-    path = _real(test)
-    return Path(f"{path.name if path.is_dir() else path.stem}{ending}")
+    """Name of a result of a test that nobody named; a dot in the name of a folder begins no ending.
+
+    In the folder of the call, or beside the test's where that folder is read.
+    """
+    path, here = _real(test), _real(".")
+    name = Path(f"{path.name if path.is_dir() else path.stem}{ending}")
+    within = path.is_dir() and path in (here, *here.parents)
+    return Path(os.path.relpath(path.parent / name)) if within else name
+
+
+def require_of_test(result, test):
+    """Refuse (ValueError) a name that nobody gave where it is that of another test's result (netCDF).
+
+    Folders of tests may share a name. A result is of this test if it says so by a path with its folders, or
+    by the digest of one of its data files.
+    """
+    try:
+        said = io.attributes(result).get("sources", "") if Path(result).is_file() else ""
+    except ContractError:
+        return
+    held = dict(reversed(line.split("  ", 1)) for line in said.splitlines() if "  " in line)
+    own = {str(io.told_path(one)): one for one in sources(test)} if held else {}
+    here = any(os.sep in name for name in held.keys() & own.keys())
+    if (
+        held
+        and not here
+        and not any(io.digest(one) in held.values() for one in own.values() if one.suffix != ".yaml")
+    ):
+        raise ValueError(
+            f"{result}: holds the result of another test, of {next(iter(held))}; name yours with --out"
+        )
 
 
 def require_writable(outputs, inputs):
@@ -26,8 +58,9 @@ def require_writable(outputs, inputs):
             raise ValueError(f"{path}: is a device or a pipe, not a plain file (or a dead link); name a file")
         if real in taken:
             raise ValueError(f"{path}: is an input or another output; nothing is overwritten")
-        if folders & set(real.parents):
-            raise ValueError(f"{path}: lies in a folder that is read; results go elsewhere")
+        for folder in folders & set(real.parents):
+            other = os.path.relpath(folder.parent / real.name)
+            raise ValueError(f"{path}: lies in a folder that is read; results go elsewhere, such as {other}")
         taken.add(real)
         _require_place(real)
 

@@ -232,6 +232,8 @@ def _described(folder):
     folder = Path(folder)
     if not folder.is_dir():
         refuse(folder, "no such folder", "check its name")
+    if not describes(folder) and (found := description.nearly(folder / NAME)):
+        refuse(folder, f"holds no {NAME}", f"rename {found}")
     return description.load(folder / NAME), []
 
 

@@ -43,6 +43,14 @@ def load(path):
     return values
 
 
+def nearly(path):
+    """Name of the file beside a path that is not there which was meant by it, or None: other letters, `.yml`,
+    or the second ending that an editor adds."""
+    known = {path.name.lower(), path.with_suffix(".yml").name.lower()}
+    names = sorted(one.name for one in path.parent.iterdir() if one.is_file())
+    return next((one for one in names if one.lower().removesuffix(".txt") in known), None)
+
+
 def _inside(name):
     """Whether a name is short, printable, relative, and does not lead out of its folder."""
     path = PurePath(name)

@@ -85,7 +85,8 @@ def misplaced(tests):
         folder = Path(test["data_folder"])
         described = folder / "test.yaml"
         if not described.exists() and not (folder / "test.nc").exists():
-            yield f"data_folder of test {name}: {folder} holds neither test.nc nor test.yaml; {GUIDE}"
+            lacking = f"{folder} holds neither test.nc nor test.yaml"
+            yield f"data_folder of test {name}: {lacking}; {_renamed(folder) or GUIDE}"
         elif described.exists() and (lacking := set(test["instruments"]) - set(description.load(described))):
             yield f"instruments of test {name}: {described} describes no {' and no '.join(sorted(lacking))}"
 
@@ -108,14 +109,21 @@ def _read(folder):
         if stored.exists():
             return _sound(io.read(stored, "test"), stored)
         if not described.exists():
-            refuse(
-                folder, "holds neither test.nc nor test.yaml", f"describe the raw files in test.yaml; {GUIDE}"
-            )
+            remedy = _renamed(folder) or f"describe the raw files in test.yaml; {GUIDE}"
+            refuse(folder, "holds neither test.nc nor test.yaml", remedy)
         return _raw(folder, described)
     except contracts.ContractError as reason:
         return None, reason.messages if isinstance(reason, Refusal) else [str(reason)]
     except OSError as reason:
         return None, [fault(folder, f"cannot be read ({reason})", "check names and access rights")]
+
+
+def _renamed(folder):
+    """What to do with a file of a folder whose name is nearly the one that is looked for, or None."""
+    for wanted in (folder / "test.yaml", folder / "test.nc"):
+        if folder.is_dir() and (found := description.nearly(wanted)):
+            return f"rename {found} to {wanted.name}"
+    return None
 
 
 def _sound(dataset, path, files=None):
