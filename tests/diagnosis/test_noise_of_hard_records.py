@@ -59,6 +59,24 @@ def test_a_light_that_falls_by_decades_shows_a_constant_noise(random):
     assert np.sqrt(law[2]) == pytest.approx(sigma, rel=0.1)
 
 
+def test_samples_with_some_light_of_a_gas_that_flickers_tell_the_noise_of_bright_ones(random):
+    """The gas is 2 to 6 % of all bright light and flickers by 1.5 %; without gas it falls by ten decades."""
+    constant, sigma, count = np.array([2e-5, 3e-5]), 1e-3, 800
+    place = np.arange(count)
+    cold, after = place < 60, place >= 740
+    share = np.where(cold, 1.0, np.where(after, 0.0, 0.06))[:, None] * np.where(
+        cold[:, None], 1.0, [1.0, 0.3]
+    )
+    level = np.where(cold, 0.05, np.exp(np.where(after, -(place - 740) * 0.4, 0.0)))[:, None] * [1.0, 0.7]
+    own = random.standard_normal((count, 2)) * np.hypot(constant, sigma * level)
+    seen = own + share * level * 0.015 * random.standard_normal((count, 1))
+    phase = np.where(cold, 0, np.where(after, 2, 1))
+    law, memory, *_ = noise._of_bands(seen, level, share * level, np.ones(count, dtype=bool), phase, 0.5)
+    assert memory == 0.0
+    assert np.sqrt(law[2]) == pytest.approx(sigma, rel=0.15)  # 680 samples; it was nought
+    assert np.sqrt(law[0]) == pytest.approx(constant, rel=0.4)  # 30 samples each, of which half are shared
+
+
 def test_a_noisy_band_hides_no_memory_of_the_gas(random):
     """A gas that flickers with 0.3 s, sampled each 0.1 s; the narrow band has twice its noise."""
     count, size, period, time = 220, 2.5e-3, 0.1, 0.3

@@ -144,3 +144,25 @@ def test_modes_of_the_scale_that_are_left_out_make_no_temperature_surer(record, 
     plain = sigma()
     monkeypatch.setattr(persistent, "LEAST", persistent.LEAST / 1000)
     np.testing.assert_allclose(sigma(), plain, rtol=0.03)
+
+
+def test_what_gains_do_between_their_knots_is_noise_of_bins(random):
+    """Ornstein-Uhlenbeck records beside the straight lines through their values at the knots."""
+    step, fine, memory = 10.0, 100, 100.0
+    knots = np.arange(0.0, 401.0, step)
+    errors = SimpleNamespace(
+        knots=knots, parameters=[SimpleNamespace(id="wander_pyrometer", sigma=2e-3)] * knots.size
+    )
+    keep, missed = np.exp(-step / fine / memory), []
+    for _ in range(60):
+        value = np.empty((knots.size - 1) * fine + 1)
+        value[0] = random.standard_normal()
+        for at in range(1, value.size):
+            value[at] = keep * value[at - 1] + np.sqrt(1 - keep**2) * random.standard_normal()
+        line = np.interp(np.arange(value.size), np.arange(0, value.size, fine), value[::fine])
+        missed.append((value - line)[:-1].reshape(-1, fine))
+    of_all, own = persistent.unresolved(errors, [0.0, step])
+    assert own == pytest.approx([0.0, 0.0])
+    # 2400 intervals; the mean over one is that of a bin that begins where a knot is.
+    found = np.mean(np.square(missed)), np.mean(np.mean(missed, axis=2) ** 2)
+    assert np.sqrt(of_all) == pytest.approx(2e-3 * np.sqrt(found), rel=0.05)

@@ -9,6 +9,7 @@ from plasmapyro.diagnosis.fit import first_gas, outliers
 from plasmapyro.diagnosis.fit import noise as noises
 from plasmapyro.diagnosis.fit.inference import Fitter, Solution
 from plasmapyro.diagnosis.fit.model import INITIAL_TEMPERATURE, Model
+from plasmapyro.diagnosis.fit.persistent import unresolved
 from plasmapyro.diagnosis.fit.restless import darker, rougher, steadier, wandering
 from plasmapyro.record import binning
 
@@ -159,8 +160,16 @@ def renoised(model, solution):
     slowest = max((law.flicker for law in found), key=lambda one: one.slower(0.0))
     found = [replace(law, flicker=law.flicker.with_memory_of(slowest)) for law in found]
     bins = [
-        noises.on_bins(*three, phase_of(three[1].time, model.off))
-        for three in zip(found, instruments, solution.prediction, strict=True)
+        noises.on_bins(
+            law,
+            one,
+            prediction,
+            phase_of(one.time, model.off),
+            unresolved(errors, np.ptp(one.moment, axis=1)),
+        )
+        for law, one, prediction, errors in zip(
+            found, instruments, solution.prediction, model.persistent, strict=True
+        )
     ]
     # 1/f noise is as strong in each decade of time: a gas wanders as much as it flickers slowly.
     model = _restless(model, float(np.sqrt(slowest.slower(SLOW))))

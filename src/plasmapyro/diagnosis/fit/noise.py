@@ -15,6 +15,7 @@ ROUNDS = 3
 LEVELS, LEAST_IN_GROUP = 6, 6  # groups of samples of a band by signal, and samples that make a variance
 MOST_LEVELS, LEAST_IN_LEVEL = 60, 30  # the same of all channels of a spectrometer: a law for all
 LARGEST_MEMORY = 0.9  # autocorrelation of neighbours that is believed
+LEAST_REMEMBERED = 40  # neighbours that tell of one
 LEAST_MEMORY = 0.04  # smaller ones count as none
 FLICKER_MARGIN = 1.3  # [1]: the variance is known from some 50 samples, to 20 to 30 %
 FLICKER_FRAMES = 20  # frames that the expectation from the other instrument counts for
@@ -24,10 +25,13 @@ FAINTEST = 1e-3  # [1] of the mean of a channel: darker light has no shot noise 
 LONGEST_LAG = 6.0
 LONGEST_FLICKER = 20.0  # [s] over which the gas flickers, not drifts
 SEEN_GAS = 0.03  # [1] error of the brightness of the gas of a frame that still tells of it
+SEEN = 0.1  # [1], of the noise of a band: what the flicker of the gas may add to tell how gains flicker
 SEEN_GAIN = 0.01  # [1] error of the gain of a frame that still tells of it
 BRIGHT, LITTLE = 0.6, 0.3  # [1], of the gas in the light: samples that tell how it flickers, how gains do
 CLEAR = 0.02  # [1], of the gas in the light: samples that show none of its flicker
+HIDDEN = 0.5  # [1], of what bands do not share: the most that the flicker of the gas may make of it
 OF_HIGHEST = 0.1  # of a signal: samples that tell how gains flicker, fainter ones how amplifiers rustle
+OF_FAINTEST = 0.01  # of a signal: fainter samples tell the noise that is there without light
 OWN = 0.05  # [1], of the variance that bands share: the least that each has besides
 OCTAVE = 1e-4  # [1] ASSUME: flicker of the gain of a band in each octave of time, to a factor of `LOOSE`
 CORNER = 0.3  # [Hz] ASSUME: below it an amplifier flickers more than it rustles, to a factor of `LOOSE`
@@ -68,6 +72,9 @@ class NoiseModel:
         law = self.constant, self.linear, self.quadratic
         law = law if self.laws is None else self.laws[series].T[..., None]
         return sample_variance(*law, level, factor, pixels)
+
+
+NONE = Coloured()
 
 
 def first_guess(model, gas):
@@ -146,7 +153,7 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, s
         own = (row / factor for row in (residual, prediction, gas))
         exposure = 2 * np.sqrt(3) * float(np.median(instrument.raw_moment.std(axis=1)))
         zero = _zero(*own, used, phase, period_of(instrument), exposure)
-        each = _gains(residual, prediction, gas, used, phase, period_of(instrument))
+        each = _gains(residual, prediction, gas, used, phase, period_of(instrument), flicker)
     elif series is not None and series.max() > 0:
         apart = [series == one for one in range(series.max() + 1)]
         given = residual, prediction, gas, used, phase
@@ -237,17 +244,37 @@ def _of_bands(residual, prediction, gas, used, phase, period, rounded=0.0):
     apart = relative if alone else relative - relative.mean(axis=1, keepdims=True)
     rounded = np.broadcast_to(rounded, relative.shape) / np.maximum(prediction, 1e-30) ** 2
     mixed = np.eye(bands) if alone else (np.eye(bands) * (1 - 2 / bands) + bands**-2.0) / (1 - 1 / bands)
-    one, _, place = differences(apart, clear)
+    told, rest = np.zeros_like(clear), 1.0 if alone else 1 - 1 / bands
+    one, _, place = differences(apart, clear if alone or not enough else little)
     own = same[place + 1]
+    unlike = (share - share.mean(axis=1, keepdims=True)) ** 2 / rest * light.between(period)
     for group in _level_groups(prediction[place, 0], own):
+        parts = clipped_variance(one[group], axis=0) / 2 / rest
+        flickers = unlike[place[group]].mean(axis=0)
+        if not clear[place[group]].all() and (flickers > HIDDEN * parts).any():
+            continue
+        told[place[group]] = told[place[group] + 1] = True
         for band in range(bands):
             rows.append((*mixed[band] * np.mean(prediction[place[group]] ** -2.0, axis=0), 1.0))
-            own_part = clipped_variance(one[group, band]) / 2 / (1.0 if alone else 1 - 1 / bands)
             least = max(OWN * gain.between(period), np.mean(rounded[place[group], band]))
-            variances.append(max(own_part, least))
+            variances.append(max(parts[band] - flickers[band], least))
             counts.append(group.size)
-    if own.sum() > 20 and not gain.remembers:
-        memories.append((memory_beside_trend(apart, clear), own.sum()))
+    number = np.count_nonzero(told[1:] & told[:-1] & same[1:])
+    if number > LEAST_REMEMBERED and not gain.remembers:
+        memories.append((memory_beside_trend(apart, told), number))
+    # Faint light that falls by decades tells no relative noise, but the constant one.
+    top = np.nanmax(prediction, axis=0)
+    faint = clear[:, None] & (prediction < OF_FAINTEST * top)
+    for band in range(0 if alone else bands):
+        one, _, place = differences(residual[:, band], faint[:, band])
+        own = same[place + 1]
+        if own.sum() >= LEAST_IN_GROUP:
+            place = place[own]
+            level = np.mean(prediction[place, band] ** 2) / top[band] ** 2
+            rows.append((*np.eye(bands)[band] / top[band] ** 2, level))
+            least = np.mean((rounded * prediction**2)[place, band])
+            variances.append(max(clipped_variance(one[own]) / 2, least) / top[band] ** 2)
+            counts.append(own.sum())
     one, _, place = differences(of_gas, bright)
     own = same[place + 1]
     if own.sum() >= 8 and not alone:
@@ -293,19 +320,25 @@ def _zero(residual, prediction, gas, used, phase, period, exposure):
     return flickering(apart[chosen], phase[chosen], period, 2 * np.log(2) * CORNER * exposure)
 
 
-def _gains(residual, prediction, gas, used, phase, period):
+def _gains(residual, prediction, gas, used, phase, period, flicker=NONE):
     """1/f noise of the gain of each band, by itself, as long as a temperature or a wandering gain does not
-    follow it: from what bands do not share of light that is bright and not the gas's."""
+    follow it: from what bands do not share of light that is bright and in which the gas does not flicker."""
     bands = residual.shape[1]
     if bands == 1:
         return Coloured()
     bright = (prediction > OF_HIGHEST * np.nanmax(prediction, axis=0)).all(axis=1)
     relative = residual / np.maximum(prediction, 1e-30)
-    chosen = used & bright & np.isfinite(relative).all(axis=1)
-    chosen &= (gas < CLEAR * np.maximum(prediction, 1e-30)).all(axis=1)
+    share = gas / np.maximum(prediction, 1e-30)
+    unlike = (share - share.mean(axis=1, keepdims=True)).max(axis=1) ** 2 / (1 - 1 / bands)
+    bright &= used & np.isfinite(relative).all(axis=1)
+    apart = (relative - relative.mean(axis=1, keepdims=True)) / np.sqrt(1 - 1 / bands)
+    chosen = bright & (share < CLEAR).all(axis=1)
+    if flicker.total and np.count_nonzero(bright) > 1:
+        usual = clipped_variance(np.diff(apart[bright], axis=0), axis=0).min() / 2
+        chosen |= bright & (unlike * flicker.total < SEEN * usual)
     if np.count_nonzero(chosen) < THIRD.size:
         return Coloured()
-    apart = (relative - relative.mean(axis=1, keepdims=True))[chosen] / np.sqrt(1 - 1 / bands)
+    apart = apart[chosen]
     rough = np.maximum(clipped_variance(np.diff(apart, axis=0), axis=0) / 2, LEAST_NOISE**2)
     laws = [
         flickering(row, phase[chosen], period, OCTAVE**2 / size, LONGEST_LAG).scaled(size)
@@ -485,8 +518,9 @@ def _memory(residual, prediction, used, law, factor, pixels):
     return memory if memory > LEAST_MEMORY else 0.0
 
 
-def on_bins(model_noise, instrument, prediction, phase):
-    """`Noise` of the bins of an instrument in phases (n,), from that of its samples."""
+def on_bins(model_noise, instrument, prediction, phase, unresolved=(0.0, 0.0)):
+    """`Noise` of the bins of an instrument in phases (n,), from that of its samples; at least what is
+    `unresolved` of the gains (n,) of all channels, and of each."""
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
     pixels = instrument.pixels
     own = instrument.raw_bin >= 0
@@ -498,17 +532,17 @@ def on_bins(model_noise, instrument, prediction, phase):
     if model_noise.zero.remembers:
         lasting = model_noise.zero.of_mean(samples.ravel(), period_of(instrument)).reshape(samples.shape)
         variance += sample_variance(model_noise.constant, 0.0, 0.0, prediction, factor, pixels) * lasting
-    if model_noise.own.remembers:
-        own_gain = model_noise.own.of_mean(samples.ravel(), period_of(instrument)).reshape(samples.shape)
-        variance += prediction**2 * own_gain
+    own_gain = model_noise.own.of_mean(samples.ravel(), period_of(instrument)).reshape(samples.shape)
+    variance += prediction**2 * np.maximum(own_gain, np.reshape(unresolved[1], (-1, 1)))
     variance += instrument.rounded(prediction, samples)
     mean_samples = np.maximum(instrument.number.max(axis=1), 1)
-    shared = (
+    flicker, gain = (
         FLICKER_MARGIN * law.of_mean(mean_samples, period_of(instrument))
         for law in (model_noise.flicker, model_noise.gain)
     )
+    gain = np.maximum(gain, unresolved[0])
     late = 0.0
     if model_noise.late:
         of_mean = model_noise.late / np.sqrt(mean_samples)[:, None]
         late = of_mean * slope_of(prediction, instrument.time, phase)
-    return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), *shared, late)
+    return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), flicker, gain, late)

@@ -117,6 +117,28 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
     return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters), lengths)
 
 
+def unresolved(errors, length):
+    r"""Variances (n,) [1] of what gains do between their knots, in the mean of bins of some length L (n,)
+    [s]: of the gain of all channels, and of that of each band.
+
+    .. math:: \frac{2\sigma^2}{\tau}\,\frac{h}{6}\,\frac{1}{1 + L/h}
+
+    A straight line between knots h apart misses a Brownian bridge: h/6 of its rate in the mean over time,
+    half of that in the mean over h.
+
+    Parameters
+    ----------
+    errors : Persistent
+    length : (n,) [s]
+    """
+    step = float(np.median(np.diff(errors.knots)))
+    rate = 2 / (MEMORY * np.ptp(errors.knots)) * step / 6 / (1 + np.asarray(length) / step)
+    sigma = {one.id: one.sigma for one in errors.parameters}
+    of_all = max(sigma.get(f"wander_{kind}", 0.0) for kind in ("pyrometer", "spectrometer"))
+    own = sigma.get("wander_ratio", 0.0) / 2
+    return of_all**2 * rate, own**2 * rate
+
+
 def scale_at(wavelength, channels, modes, lengths):
     r"""Modes of the scale at other wavelengths.
 
