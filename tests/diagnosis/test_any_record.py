@@ -22,10 +22,10 @@ def run(laboratory):
         given = {
             "calibration": laboratory.calibration,
             "variations": {"80kW": laboratory.variations},
+            "response": laboratory.response,
         } | changes
         inputs = command.Inputs(
             radiation=laboratory.radiation,
-            response=laboratory.response,
             spectrometer_calibration=None,
             origin="synthetic",
             digests={},
@@ -45,6 +45,12 @@ def few_pixels(test):
 
 def without_pyrometer(test):
     return test.drop_dims("time")
+
+
+def test_a_slope_between_bands_that_nobody_knows_is_left_aside_and_said(record, run, caplog):
+    test = without_pyrometer(record(**SPARSE)).assign_attrs(emittance_slope=1.02)
+    run(test, response=None, calibration=None)
+    assert "emittance_slope is left aside" in caplog.text
 
 
 @pytest.mark.parametrize(

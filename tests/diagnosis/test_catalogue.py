@@ -264,3 +264,19 @@ def test_nobody_changes_the_catalogue_in_place():
 def test_a_declaration_of_an_effect_without_a_row_is_refused():
     with pytest.raises(KeyError, match="eps_slop"):
         effect("eps_slop")(None)
+
+
+def test_the_dark_of_the_base_model_drifts_by_counts_of_all_pixels(model):
+    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    values = np.array([parameter.centre for parameter in model.parameters])
+    moved = values.copy()
+    moved[model.index["dark_drift"]] = 3.0
+    for which, one in enumerate(model.instruments):
+        added = model.evaluate(which, knots, moved) - model.evaluate(which, knots, values)
+        if one.kind == "pyrometer":
+            assert not added.any()
+            continue
+        counts = added / one.factor
+        assert counts == pytest.approx(np.broadcast_to(counts[:, :1], counts.shape), abs=1e-6)
+        assert np.polyfit(one.time, counts[:, 0], 1)[0] * np.ptp(one.time) == pytest.approx(3.0, rel=0.05)
+        assert 0 <= counts.min() < 0.1 and 2.9 < counts.max() <= 3.0001

@@ -210,6 +210,11 @@ class Model:
         """One of the parameters, 0 for one that this model does not have."""
         return values[self.index[name]] if name in self.index else 0.0
 
+    def progress(self, which):
+        """Share (n,) of the record that has gone by in the bins of an instrument, 0 to 1."""
+        first, last = self.persistent[which].knots[[0, -1]]
+        return np.clip((self.instruments[which].time - first) / (last - first), 0.0, 1.0)
+
     def settings_of_given(self, values):
         """Settings of the terms that are taken as given, with the numbers that the parameters hold."""
         return tuple(
@@ -334,6 +339,9 @@ class Model:
             for setting in detecting:
                 output = output.but(setting.effect.output(output, setting.amplitude, **setting.shape))
             value = output.value
+        drift = self.value(values, "dark_drift")
+        if drift and instrument.kind == "spectrometer":
+            value = value + drift * self.progress(which)[:, None] * instrument.factor
         if not slopes:
             return value
         by_knot = scene.path * scene.emittance * slope

@@ -10,7 +10,7 @@ from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.diagnosis.fit.slit import SeenSlit
 
 # parameters that scale no signal
-NO_GAIN = "emittance", "gas", "before_injection", "before_power", "clocks", "moments"
+NO_GAIN = "emittance", "gas", "before_injection", "before_power", "clocks", "moments", "dark_drift"
 MOST = 10.0  # [1] by which a model may differ from the data, for their errors to follow it
 ANYTHING = 10.0  # [1] of the level, that a pattern may be of
 DARK = 1e-3  # [1] of the level: less light is none
