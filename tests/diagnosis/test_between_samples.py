@@ -79,10 +79,10 @@ def test_a_wave_far_below_the_noise_is_found_with_its_period():
 def left(monkeypatch):
     """`left_in_bands` of residuals (t, 2) over the light of two bands, known to `SIGMA`."""
 
-    def of(relative, channels=2, plasma=True):
+    def of(relative, channels=2, plasma=True, share=(0.0, 0.0)):
         time = PERIOD * np.arange(len(relative)) - 10.0
         value = np.array([3.0, 1.0]) * np.ones(relative.shape)
-        found = relative * value, value, 0 * value
+        found = relative * value, value, share * value * (time < OFF)[:, None]
         monkeypatch.setattr(left_in_bands, "raw_residuals", lambda *_: [found])
         instrument = SimpleNamespace(
             channels=channels,
@@ -115,6 +115,15 @@ def test_a_step_and_a_wave_of_bands_have_their_kind(left):
     assert left(noise_of_bands(1) + wave) == left_in_bands.WAVE
     assert left(noise_of_bands(1) + step, channels=25) is None  # frames of many bands are asked elsewhere
     assert left(noise_of_bands(1) + step, plasma=False) is None
+
+
+def test_a_torch_that_ripples_is_no_wave_of_bands_but_the_mains_is_one(left):
+    """4 % of a gas that is 6 and 2 % of the light, folded down; a zero swings after the plasma too."""
+    wave, share = np.sin(np.arange(3000)[:, None] / 5.4), np.array([0.06, 0.02])
+    burning = np.arange(3000)[:, None] < 2600
+    assert left(noise_of_bands(2) + 0.04 * share * wave * burning, share=share) is None
+    assert left(noise_of_bands(2) + 0.04 * share * wave, share=share) == left_in_bands.WAVE
+    assert left(noise_of_bands(2) + 0.04 * share[::-1] * wave * burning, share=share) == left_in_bands.WAVE
 
 
 def test_the_end_of_the_plasma_is_no_step_of_bands(left):

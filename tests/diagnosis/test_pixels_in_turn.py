@@ -40,6 +40,13 @@ def test_neither_lines_nor_the_calibration_of_pixels_takes_turns():
     assert min(chances) > 1e-3 and np.mean(np.array(chances) < 0.1) < 0.2
 
 
+@pytest.mark.parametrize(("height", "told"), [(0.0028, False), (0.006, True)])
+def test_a_fringe_that_a_flat_field_leaves_is_told_from_a_third_of_a_per_cent_on(height, told):
+    frames = spectra(1)
+    fringe = 1 + height * np.sin(2 * np.pi * np.arange(801) / 6.6)
+    assert (chance_of_kinds(replace(frames, value=frames.value * fringe), OFF) < BY_CHANCE) == told
+
+
 def test_lines_of_the_gas_are_no_pattern_of_pixels():
     """A comb of lines is taken for what it is, the light of the plasma, since it goes when that ends."""
     comb = spectra(2)

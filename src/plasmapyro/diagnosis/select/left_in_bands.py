@@ -39,12 +39,21 @@ def left_in_bands(model, solution):
             own = told & (phase == which)
             if largest_jump(gain[own], error[own], period)[0] > STEP_STANDS:
                 return STEP
-        weight = weigher.weight / np.maximum(instrument.number, 1)
-        white = residual * np.sqrt(weight)[np.maximum(instrument.raw_bin, 0)]
-        burning = np.isfinite(residual).all(axis=1) & (phase == 1)
-        if _repeats(white[burning], time[burning], period):
-            return WAVE
+        weight = (weigher.weight / np.maximum(instrument.number, 1))[np.maximum(instrument.raw_bin, 0)]
+        white = (residual - _of_the_gas(residual, found[2], weight)) * np.sqrt(weight)
+        sound = np.isfinite(white).all(axis=1)
+        for which in (1, 2):
+            own = sound & (phase == which)
+            if _repeats(white[own], time[own], period):
+                return WAVE
     return None
+
+
+def _of_the_gas(residual, gas, weight):
+    """What the brightness of the gas may make of residuals (t, C): a torch ripples by per cents with its
+    rectifier, and sampling folds that down. After the plasma there is none."""
+    both = np.sum(weight * gas * np.nan_to_num(residual), axis=1)
+    return gas * (both / np.maximum(np.sum(weight * gas**2, axis=1), 1e-300))[:, None]
 
 
 def _repeats(white, time, period):

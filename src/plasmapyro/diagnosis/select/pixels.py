@@ -10,6 +10,8 @@ from plasmapyro.record.inputs import has_plasma
 
 LONGEST = 32  # pixels: read-out chains take turns faster, slower fringes are looked for in the bins
 BY_CHANCE = 1e-6  # with which noise may repeat: of 444 tests of equal pixels the least chance is 0.0015
+CHAINS = 2.0 ** np.arange(1, 6)  # pixels, after which read-out chains have had their turn
+FLAT_FIELD = 0.003  # [1] ASSUME: fringes of a thin sensor that a calibration does not quite take out
 LEAST_LIGHT = 0.02  # [1] of the most: the noise of darker frames is that of the read-out
 PIXELS = "pixels_pattern"
 NAMES = {PIXELS: "pixels of the spectrometer that are brighter and fainter in turn"}
@@ -24,7 +26,8 @@ def in_turn(record):
 
 
 def chance_of_kinds(frames, off):
-    """Probability that noise lets what pixels show of the surface repeat within `LONGEST` of them.
+    """Probability that noise lets what pixels show of the surface repeat within `LONGEST` of them; 1 for
+    fringes within what a flat field leaves.
 
     The light of the surface is what goes, in each pixel, with that of the whole frame, beside what is there
     while the plasma burns: neither lines nor the calibration of single pixels repeat.
@@ -50,4 +53,8 @@ def chance_of_kinds(frames, off):
     surface = np.interp(np.arange(usable.size), np.flatnonzero(usable), surface)  # gaps stay where they are
     local = uniform_filter1d(surface, LONGEST + 1, mode="nearest")
     apart = np.where((local > 0) & usable, surface / np.where(local > 0, local, 1.0) - 1, 0.0)
-    return chance_of_peak(apart, 1.0, LONGEST)[0]
+    chance, period = chance_of_peak(apart, 1.0, LONGEST)
+    waves = apart.size / period
+    in_turn = np.abs(waves - apart.size / CHAINS).min() < 1
+    height = 2 * np.abs(np.mean(apart * np.exp(2j * np.pi * np.arange(apart.size) / period)))
+    return chance if in_turn or height > FLAT_FIELD else 1.0
