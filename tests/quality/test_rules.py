@@ -122,6 +122,18 @@ def test_a_rule_of_the_pyrometer_says_what_it_saw(sound, name):
     assert found[name].startswith("my_test: ")
 
 
+def test_noise_about_nought_in_the_dark_is_no_light_below_zero(sound):
+    random = np.random.default_rng(1)
+
+    def faded(t, p):
+        dark = 1e-4 * p.max() * random.standard_normal(p.shape)
+        return np.where(t > t[t.size // 2], dark, p)
+
+    assert "negative_signal" not in said(with_signals(sound, faded))
+    below = said(with_signals(sound, lambda t, p: faded(t, p) - 1e-3 * p.max()))
+    assert "is below zero in" in below["negative_signal"]
+
+
 def test_a_record_that_never_changes_is_stuck(sound):
     for channels in ([0, 1], [1]):
         held = with_signals(sound, lambda t, p, c=channels: np.where(np.isin([[0], [1]], c), p[:, [99]], p))

@@ -192,6 +192,16 @@ def test_a_bend_is_one_from_a_slope_of_85_per_cent_on(slope, flagged):
     assert not flags.rounded(np.exp(np.stack([level, bent], axis=1)), np.zeros((602, 2))).any()
 
 
+@pytest.mark.parametrize("fog", [0.0, 0.2])
+def test_a_gas_that_is_not_quite_taken_out_bends_no_band(fog):
+    """A wide band whose gas is as bright as its surface, behind a window that fogs, and then without gas."""
+    narrow = np.concatenate([np.linspace(-3, 0, 400), np.linspace(0, -3, 100)])
+    surface = np.exp(np.stack([1.07 * narrow, narrow], axis=1)) * [1.0, 4.0]
+    gas = np.where(np.arange(500) < 400, 1.0, 0.0)[:, None] * [1.0, 0.8]
+    through = 1 - fog * np.clip(np.arange(500) / 400, 0, 1)[:, None]
+    assert not flags.rounded((surface + gas) * through, gas).any()
+
+
 FAR = {  # samples of the narrow band that are multiplied, and whether they are a spike
     "one sample, brighter": (slice(200, 201), 1.1, True),
     "three samples, darker": (slice(200, 203), 0.5, True),

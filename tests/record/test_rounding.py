@@ -51,6 +51,16 @@ def test_a_unit_does_not_split_a_value_in_two():
     assert np.sqrt(12 * rounding(wobbling).variance(wobbling[:1], 1))[0] == pytest.approx(5.7e-13)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_light_that_fades_into_the_first_step_is_no_logger_that_hangs(seed):
+    random = np.random.default_rng(seed)
+    true = np.concatenate([np.full(400, 2000.0), 2000 * np.exp(-np.arange(300) / 25)])
+    noise = random.standard_normal(700) * np.hypot(0.18, 1e-3 * true)
+    written = np.round(true + noise)
+    written[620] = -1.0
+    assert not flags.stuck(written[:, None], True).any()
+
+
 def test_a_coarse_converter_is_no_logger_that_hangs():
     """A faint gas of some thirty steps with noise of a third of one, before a surface of 2000 steps, as
     14 bits have them; then the same with a logger that does hang, and a spike."""

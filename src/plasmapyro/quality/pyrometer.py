@@ -12,7 +12,7 @@ from plasmapyro.record.record import gas_of
 LARGE = 1.1  # a signal changes at all if it does by this factor
 CLEAR = 10.0  # deviations of a step that stands out
 SWITCH = 2.0  # [s] around injection and the end of the plasma, where signals jump as they should
-SURE = 3.0  # standard errors of a slope
+SURE = 3.0  # standard errors of a slope, or deviations of noise
 BRIGHT = 0.2  # of the largest signal: where the surface rules
 
 
@@ -59,7 +59,13 @@ def swapped_bands(case, limit):
 def negative_signal(case, limit):
     injected = case.test.time.values >= case.test.attrs["injection_time"]
     for band, row in zip(BANDS, case.pair[:, injected], strict=True):
-        share = np.mean(row[np.isfinite(row)] < 0) if np.isfinite(row).any() else 0.0
+        row = row[np.isfinite(row)]
+        below = row[row < 0]  # of which noise about zero makes some
+        scatter = NORMAL_MAD * np.median(np.abs(np.diff(below, 2))) / np.sqrt(6) if below.size > 2 else 0.0
+        change = np.abs(np.diff(row))
+        step = np.min(change, where=change > 0, initial=np.inf)
+        least = max(SURE * scatter, flags.STEPS * step if step < np.inf else 0.0)
+        share = np.mean(row < -least) if row.size else 0.0
         if share > limit:
             return {"band": f"signal_{band}", "share": float(share), "lowest": float(np.nanmin(row))}
     return None

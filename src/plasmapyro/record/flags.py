@@ -22,6 +22,7 @@ LONGEST = 10  # samples; runs of equal ones up to here are left alone
 CHANCE = 1e-6  # of a longer run in a record without a fault
 BIN, SPAN, FEW = 0.1, 3, 4  # of the logarithm of a channel; bins that a slope takes; samples of one
 LEAST_SLOPE, SOUND_SLOPE = 0.85, 0.93  # of the usual slope of one logarithm over the other
+OF_GAS = 0.75, 1.25  # [1] of the gas that was taken out, between which it may be
 RULES = 0.3  # share of the surface in a signal from which on its slope is looked at
 SPIKE, SHARE = 12.0, 0.02  # deviations, and share of the level, by which a spike leaves its neighbours
 STEPS = 2.5  # of a converter or of digits: noise below a step moves single samples by one or two
@@ -76,7 +77,7 @@ def stuck(values, changing=False):
 
     `values` (t, C), NaN where missing; the light is known to be `changing`: a record that never does is stuck
     throughout. The first sample of such a run is a measurement and is not among them. Never in part of a
-    record without noise, nor at the lowest level of a channel: there is nothing to see.
+    record without noise, nor within some steps of the lowest level of a channel: there is nothing to see.
     """
     values = np.asarray(values, dtype=float)
     seen = np.isfinite(values).any(axis=0)
@@ -90,8 +91,12 @@ def stuck(values, changing=False):
         return np.append(False, same)
     if lengths.max() <= LONGEST or not _noisy(values.mean(axis=1)):
         return np.zeros(len(values), dtype=bool)
-    long = (lengths > _longest_by_chance(same, lengths)) & (values > np.nanmin(values, axis=0)).all(axis=1)
-    return long & np.append(False, same)
+    change = np.abs(np.diff(values, axis=0))
+    step = np.min(change, axis=0, where=change > 0, initial=np.inf)
+    dark = np.nanmin(values, axis=0) + np.where(step < np.inf, STEPS * step, 0.0)
+    return (
+        (lengths > _longest_by_chance(same, lengths)) & (values > dark).all(axis=1) & np.append(False, same)
+    )
 
 
 def asked_again(values):
@@ -209,6 +214,13 @@ def without_rays(values, wavelength, slit):
 
 
 def rounded(values, gas):
+    """Samples (t, 2) where one of two channels bends away from the other, see `_bent`, however bright the gas
+    of the moment is: a window that fogs, or a gas that drifts, leaves more or less than was taken out."""
+    found = [_bent(values, share * gas) for share in (1.0, *OF_GAS)]
+    return found[0] & np.all([one.any(axis=0) for one in found], axis=0)
+
+
+def _bent(values, gas):
     r"""Samples (t, 2) where one of two channels bends away from the other: near its end, without a plateau.
 
     .. math:: \frac{d \ln S_c}{d \ln S_o} < 0.85 \text{ of what it is below}
