@@ -62,7 +62,7 @@ def _repeats(white, time, period):
         return False
     place = np.round((time - time[0]) / period).astype(int)
     values = np.zeros((place[-1] + 1, white.shape[1]))
-    values[place] = white
+    values[place] = white - np.median(white, axis=0)
     series = [*values.T, values.sum(axis=1)]
     chance = min(chance_of_peak(one, period, SHORTEST_PERIOD)[0] for one in series)
     return chance * len(series) < BY_CHANCE

@@ -23,6 +23,7 @@ FEWEST, LEAST_SHARE = 3, 0.05  # how many of them must, and of all: of a normal 
 ALIKE, LEAST_ALIKE = 0.4, 8  # logarithm of the noise of frames that are held against each other, how many
 LEAST_APART = 0.01  # [1] of the light: less is a path or a gas that is not quite followed
 GAS_OF_FRAME, CLEAR = 0.02, 0.01  # [1]: how far the gas of one frame may flicker; error of a gain that tells
+STEEP = 5.0  # times the usual error of a gain: beside light that changes so fast steps are none
 UNFOLLOWED = 0.05  # [1], of what light changes by from frame to frame
 SIDES, LONGEST_SIDE = (3, 6, 12), 12.0  # frames before and after a step, and how long they may last [s]
 USUAL_REACH = 40  # frames to both sides, at least, whose steps are the usual ones, as far as there
@@ -149,7 +150,9 @@ def largest_step(gain, error, period):
         law = np.concatenate([-end[::-1], end])
         gains, errors = (sliding_window_view(one, 2 * side) for one in (gain, error))
         steps = np.abs(gains @ law) / np.sqrt(errors**2 @ law**2)
-        steps[~(errors.max(axis=1) < CLEAR)] = np.nan
+        # A fit rings about a surface that jumps, as some do.
+        about = sliding_window_view(np.pad(np.nan_to_num(error), 2 * side, mode="edge"), 6 * side)
+        steps[(errors.max(axis=1) >= CLEAR) | (about.max(axis=1) > STEEP * np.nanmedian(error))] = np.nan
         if not np.isfinite(steps).any():
             continue
         reach = max(USUAL_REACH, 4 * side)
