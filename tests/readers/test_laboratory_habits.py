@@ -371,3 +371,9 @@ def test_a_description_of_nearly_the_right_name(tmp_path, name):
     assert check_test(folder) == [
         f"{folder}: holds neither test.nc nor test.yaml; rename {name} to test.yaml"
     ]
+
+
+def test_a_table_of_nothing_but_a_mark_of_its_encoding_is_empty(tmp_path):
+    folder = samples.folder(tmp_path / "t", samples.CSV, pyrometer__csv=rows())
+    (folder / "pyrometer.csv").write_bytes(b"\xff\xfe")
+    assert any("pyrometer.csv: is empty; export it again" in one for one in check_test(folder))

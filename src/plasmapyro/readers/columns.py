@@ -379,6 +379,8 @@ def header_of(path, lines, columns, delimiter):
     for find in (_numbered, _stacked):
         if found := find(lines, columns, marks):
             return found
+    if not lines:
+        refuse(path, "is empty", "export it again")
     absent = [quote(column.header) for name, column in columns.items() if name not in best]
     refuse(
         path,
