@@ -62,9 +62,7 @@ def negative_signal(case, limit):
         row = row[np.isfinite(row)]
         below = row[row < 0]  # of which noise about zero makes some
         scatter = NORMAL_MAD * np.median(np.abs(np.diff(below, 2))) / np.sqrt(6) if below.size > 2 else 0.0
-        change = np.abs(np.diff(row))
-        step = np.min(change, where=change > 0, initial=np.inf)
-        least = max(SURE * scatter, flags.STEPS * step if step < np.inf else 0.0)
+        least = max(SURE * scatter, flags.STEPS * float(flags.least_change(row)))
         share = np.mean(row < -least) if row.size else 0.0
         if share > limit:
             return {"band": f"signal_{band}", "share": float(share), "lowest": float(np.nanmin(row))}

@@ -72,6 +72,13 @@ def _noisy(values):
     return step.size > LONGEST and np.mean(step[1:] * step[:-1] < 0) > ALTERNATING
 
 
+def least_change(values):
+    """Least change (C,) from one of values (t, C) to the next, a converter's step; 0 where none changes."""
+    change = np.abs(np.diff(values, axis=0))
+    step = np.min(change, axis=0, where=change > 0, initial=np.inf)
+    return np.where(step < np.inf, step, 0.0)
+
+
 def stuck(values, changing=False):
     """Samples (t,) that repeat the last one in all channels for longer than chance: a logger that hangs.
 
@@ -91,12 +98,9 @@ def stuck(values, changing=False):
         return np.append(False, same)
     if lengths.max() <= LONGEST or not _noisy(values.mean(axis=1)):
         return np.zeros(len(values), dtype=bool)
-    change = np.abs(np.diff(values, axis=0))
-    step = np.min(change, axis=0, where=change > 0, initial=np.inf)
-    dark = np.nanmin(values, axis=0) + np.where(step < np.inf, STEPS * step, 0.0)
-    return (
-        (lengths > _longest_by_chance(same, lengths)) & (values > dark).all(axis=1) & np.append(False, same)
-    )
+    dark = np.nanmin(values, axis=0) + STEPS * least_change(values)
+    long = (lengths > _longest_by_chance(same, lengths)) & (values > dark).all(axis=1)
+    return long & np.append(False, same)
 
 
 def asked_again(values):
@@ -115,8 +119,7 @@ def asked_again(values):
     often = both.sum() / count > least and np.count_nonzero(both[1:] & ~both[:-1]) > LONGEST
     if not often:
         return np.zeros(len(values), dtype=bool)
-    change = np.abs(np.diff(values, axis=0))
-    step = np.min(change, axis=0, where=change > 0, initial=np.inf)
+    change, step = np.abs(np.diff(values, axis=0)), least_change(values)
     after = np.median(change[1:][both[:-1] & ~both[1:]], axis=0)
     return np.append(False, both & (after > STEPS * step).all())
 
