@@ -194,7 +194,8 @@ def test_a_result_of_another_test_of_the_same_name_is_not_lost(tmp_path, monkeyp
     base = tmp_path.parent / f"{tmp_path.name}_elsewhere" if absolute else Path()
     for k, day in enumerate(("monday", "tuesday")):
         folder = base / day / "test1"
-        folder.mkdir(parents=True)
+        (folder / "calibration").mkdir(parents=True)
+        (folder / "calibration/lamp.csv").write_text("copied, too\n")
         (folder / "test.yaml").write_text("title: copied from one test to the next\n")
         (folder / "signals.csv").write_text(f"{k}\n")
     monday, tuesday = base / "monday/test1", base / "tuesday/test1"
@@ -206,6 +207,7 @@ def test_a_result_of_another_test_of_the_same_name_is_not_lost(tmp_path, monkeyp
         require_of_test(Path("test1_temperature.nc"), tuesday)
     (monday / "test.yaml").write_text("title: corrected\n")
     require_of_test(Path("test1_temperature.nc"), monday)
+    require_of_test(Path("test1_temperature.nc"), tmp_path / "absent")  # is refused as what it is
 
 
 def test_a_folder_that_may_not_be_written_is_refused_before_the_work(tmp_path, monkeypatch):
