@@ -163,6 +163,8 @@ def test_what_gains_do_between_their_knots_is_noise_of_bins(random):
         missed.append((value - line)[:-1].reshape(-1, fine))
     of_all, own = persistent.unresolved(errors, [0.0, step])
     assert own == pytest.approx([0.0, 0.0])
+    errors.parameters.append(SimpleNamespace(id="wander_900 nm", sigma=1e-3))
+    assert persistent.unresolved(errors, [0.0, step])[1] == pytest.approx(of_all / 4)
     # 2400 intervals; the mean over one is that of a bin that begins where a knot is.
     found = np.mean(np.square(missed)), np.mean(np.mean(missed, axis=2) ** 2)
     assert np.sqrt(of_all) == pytest.approx(2e-3 * np.sqrt(found), rel=0.05)

@@ -133,9 +133,10 @@ def unresolved(errors, length):
     """
     step = float(np.median(np.diff(errors.knots)))
     rate = 2 / (MEMORY * np.ptp(errors.knots)) * step / 6 / (1 + np.asarray(length) / step)
-    sigma = {one.id: one.sigma for one in errors.parameters}
-    of_all = max(sigma.get(f"wander_{kind}", 0.0) for kind in ("pyrometer", "spectrometer"))
-    own = sigma.get("wander_ratio", 0.0) / 2
+    sigma = {one.id: one.sigma for one in errors.parameters if one.id.startswith("wander_")}
+    of_all = max(sigma.pop(f"wander_{kind}", 0.0) for kind in ("pyrometer", "spectrometer"))
+    sigma.pop("wander_smooth", None)
+    own = max(sigma.pop("wander_ratio", 0.0) / 2, *sigma.values(), 0.0)  # of bands that are known one by one
     return of_all**2 * rate, own**2 * rate
 
 
