@@ -1,5 +1,6 @@
 """The documents as a site: `make site`, read from build/site/index.html without a network."""
 
+import csv
 import re
 import shutil
 import sys
@@ -51,7 +52,8 @@ autodoc_typehints = "none"  # docstrings say types with units
 
 
 def write_pages(app):
-    """What is made from sources: a page of docstrings per part of the package, and the figures of a run."""
+    """What is made from sources: a page of docstrings per part of the package, what a diagnosis can name, and
+    the figures of a run."""
     place = Path(app.srcdir) / "reference"
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir()
@@ -63,6 +65,7 @@ def write_pages(app):
                 box = ["```{eval-rst}", f".. automodule:: {name}", "```"]
                 lines += [f"## {name.partition('.')[2]}", "", *box, ""]
         (place / f"{part}.md").write_text("\n".join(lines), encoding="utf-8")
+    (place / "effects.md").write_text("\n".join(effects()), encoding="utf-8")
     lines = ["# Figures of a run", "", "Empty until `make figures` has run here.", ""]
     for path in sorted((ROOT / "results/figures").glob("*.png")):
         shutil.copy(path, place)
@@ -71,6 +74,16 @@ def write_pages(app):
     if len(lines) > 4:
         del lines[2:4]
     (place / "figures_of_a_run.md").write_text("\n".join(lines), encoding="utf-8")
+
+
+def effects():
+    """Lines of the page of all effects of the catalogue, from the table that the package reads."""
+    yield from ("# What a diagnosis can name", "", "As `diagnose --without` takes them.", "")
+    yield from ("| id | cause | class | looks like | what would decide |", "|---|---|---|---|---|")
+    with (PACKAGE / "diagnosis/effects/effects.csv").open(encoding="utf-8", newline="") as file:
+        for one in csv.DictReader(file):
+            alike = ", ".join(f"`{name}`" for name in one["alike"].split())
+            yield f"| `{one['id']}` | {one['name']} | {one['class']} | {alike} | {one['measurement']} |"
 
 
 def write_notebook(app, error):

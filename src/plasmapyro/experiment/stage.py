@@ -233,7 +233,7 @@ def correct_spectra(
         raise ValueError(
             f"no usable pixel within {normalisation_half_width * 1e9:g} nm of the wavelength at which the"
             f" spectra are normalised, {normalisation_wavelength * 1e9:g} nm; usable are {span}: choose"
-            " another with --normalisation-nm (in the workflow: normalisation_wavelength_nm)"
+            " another with `correct --normalisation-nm` (in the workflow: normalisation_wavelength_nm)"
         )
     to_noise = pivot_signal_to_noise(corrected, noise, gas_variation * gas, usable & pivot)
     state = _spectrum_status(record, frames, injected, usable & pivot, to_noise, least_signal_to_noise)
@@ -308,7 +308,7 @@ def _pivot(wavelength, usable, half_width, standing_out):
     chosen = wavelength[seen][np.argmax(np.nanmedian(standing_out[:, seen], axis=0))]
     LOG.warning(
         "no usable pixel at %g nm: spectra are normalised at %.5g nm, where the surface stands out most;"
-        " --normalisation-nm chooses another",
+        " --normalisation-nm of `correct` chooses another",
         PIVOT * 1e9,
         chosen * 1e9,
     )
