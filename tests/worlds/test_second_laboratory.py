@@ -258,7 +258,7 @@ def test_photons_scatter_as_their_number(stage):
 
 
 @pytest.mark.parametrize(
-    ("name", "shape"), [("eps_ox", {"tau_s": 40.0}), ("winE", {}), ("off_s", {}), ("grad", {})]
+    ("name", "shape"), [("eps_ox", {"tau_s": 40.0}), ("winE", {}), ("off_s", {}), ("grad", {"share": 0.5})]
 )
 def test_a_hidden_effect_has_the_size_it_was_asked_for(measure, name, shape):
     made = measure.sized(name, 15.0, 1, shape)

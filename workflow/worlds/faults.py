@@ -197,7 +197,7 @@ def _grad(s, a, p, c):
     x = C2 * 0.01 / (SMOOTH * _column(s.kelvin))
     spread = (x**2 - 2 * x) * (a / _column(s.kelvin)) ** 2 / 2
     own = s.emittance * planck(SMOOTH, _column(s.kelvin)) * _column(s.seen)  # not what grains add
-    return _added(_added(s, spread * own, "p"), spread * own * (10 / 14) ** 2, "s")
+    return _added(_added(s, spread * own, "p"), p["share"] * spread * own, "s")
 
 
 def _edge(instrument):

@@ -3,11 +3,12 @@
 import numpy as np
 
 from plasmapyro.diagnosis.effects.effect import effect
-from plasmapyro.radiation.planck import planck, planck_curvature
+from plasmapyro.radiation.planck import planck
 
 PIVOT = 0.95e-6  # [m] where spectral slopes turn
 MICROMETRE = 1e-6
 HOTTEST, COLD = 1600.0, 350.0  # [K] between which a dependence on temperature is counted
+COLDEST_SHARE = 1 / 3  # of its mean temperature that a spot has anywhere
 FOOTPRINT_RATIO = 10.0 / 14.0  # diameter of the spot of the spectrometer over that of the pyrometer
 LAGS, SHARES = np.polynomial.laguerre.laggauss(4)
 COVER_EMITTANCE = 1.0  # ASSUME: the cover of the probe emits like the sample
@@ -61,18 +62,26 @@ def torch_glow(scene, amplitude, *, temperature, decay):
     return scene.but(added=scene.added + (1 - scene.emittance) * share[..., None] * body)
 
 
-@effect("grad", shape={"exponent": ((0.0, 1.0), (0.0, 1.0)), "profile": ((1.0, 2.0), (1.0, 2.0))})
+@effect("grad", shape={"exponent": ((0.0, 1.0), (0.0, 1.0)), "profile": ((0.0, 1.0, 2.0), (-1.0, 2.0))})
 def gradient(scene, amplitude, *, exponent, profile=1.0):
-    r"""Unequal temperature: :math:`B + \tfrac12 \sigma^2 B''`, :math:`\sigma = \sigma_T (T/1600\,K)^n`.
+    r"""Unequal temperature, a slope over a disc: mean of B over the law of a semicircle.
+
+    .. math:: \tfrac14 B(T - \sqrt2 \sigma) + \tfrac12 B(T) + \tfrac14 B(T + \sqrt2 \sigma), \qquad
+              \sigma = \sigma_T (T/1600\,K)^n
 
     `exponent` n is 1 where the flux is uneven, 0 where a lasting difference is; `profile` 1 for a slope over
-    the spot and 2 for a bowl: the spots, 14 and 10 mm across, see that power of their ratio. One instrument
-    alone does not tell it from the amplitude.
+    the spot and 2 for a bowl: spots 14 and 10 mm across see that power of their ratio; 0 where both see the
+    same, less where the spectrometer sees more. One instrument alone does not tell it from the amplitude.
+
+    Source: Gauss's rule of three points for that law, exact to the fifth order; M. Abramowitz and I. A.
+    Stegun, Handbook of Mathematical Functions (1964), 25.4.40.
     """
-    sigma = amplitude * (FOOTPRINT_RATIO**profile if scene.kind == "spectrometer" else 1.0)
-    relative = np.clip(scene.temperature[..., None] / HOTTEST, 0.1, 2.0) ** exponent
-    more = 0.5 * (sigma * relative) ** 2 * planck_curvature(scene.wavelength, scene.temperature)
-    return scene.but(glow=scene.glow * (1 + more))
+    relative = np.clip(scene.temperature / HOTTEST, 0.1, 2.0) ** exponent
+    sigma = amplitude * (FOOTPRINT_RATIO**profile if scene.kind == "spectrometer" else 1.0) * relative
+    # A surface whose coldest point has a third of its mean temperature is dark there anyway.
+    apart = np.minimum(np.sqrt(2.0) * sigma, scene.temperature * (1 - COLDEST_SHARE))
+    cold, mean, hot = (planck(scene.wavelength, scene.temperature + sign * apart) for sign in (-1, 0, 1))
+    return scene.but(glow=scene.glow * (0.5 + 0.25 * (cold + hot) / mean))
 
 
 def cover(scene, amplitude, *, ratio, lag, delay):
