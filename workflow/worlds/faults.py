@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from worlds.engine import CENTRES
-from worlds.gas import C2, table
+from worlds.gas import table
 from worlds.laboratory import SMOOTH, planck
 
 MICRON = SMOOTH * 1e6
@@ -194,10 +194,18 @@ formulas(
 
 @effect("grad")
 def _grad(s, a, p, c):
-    x = C2 * 0.01 / (SMOOTH * _column(s.kelvin))
-    spread = (x**2 - 2 * x) * (a / _column(s.kelvin)) ** 2 / 2
-    own = s.emittance * planck(SMOOTH, _column(s.kelvin)) * _column(s.seen)  # not what grains add
-    return _added(_added(s, spread * own, "p"), p["share"] * spread * own, "s")
+    """A bowl: temperature falls as the square of the radius, so that all of its values have equal areas."""
+    points, weights = np.polynomial.legendre.leggauss(7)
+    for who, sigma in (("p", a), ("s", a * np.sqrt(p["share"]))):
+        mean = sum(
+            weight / 2 * planck(SMOOTH, np.maximum(_column(s.kelvin) + np.sqrt(3) * sigma * point, 200.0))
+            for point, weight in zip(points, weights, strict=True)
+        )
+        own = (
+            s.emittance * (mean - planck(SMOOTH, _column(s.kelvin))) * _column(s.seen)
+        )  # not what grains add
+        s = _added(s, own, who)
+    return s
 
 
 def _edge(instrument):

@@ -26,7 +26,9 @@ from plasmapyro.diagnosis.select.held_out import cross_condition, gain
 from plasmapyro.diagnosis.select.left_in_bands import left_in_bands
 from plasmapyro.diagnosis.select.leftover import left_over
 from plasmapyro.diagnosis.select.pixels import in_turn
+from plasmapyro.diagnosis.select.search import Search
 from plasmapyro.diagnosis.select.selection import select, shows
+from plasmapyro.diagnosis.select.told import told
 from plasmapyro.diagnosis.simulation.compare import anywhere, compare, nothing_to_compare
 from plasmapyro.diagnosis.simulation.measured import measured_gas
 from plasmapyro.diagnosis.simulation.simulated import expected_power
@@ -178,6 +180,10 @@ def diagnose(
         selection, gained = selection.unnamed(), None
     if excursion(base.model, selection.final) is not None:
         selection = selection.beside(EXCURSION)
+    doubted = selection.final
+    selection = told(Search(base.model, base.fitter, questions[0], selection.thresholds), selection)
+    if selection.final is not doubted:
+        gained = _gained(base, selection)
     sources = instruments(test)
     if selection.status == "named+unknown" and plasma and sorted(sources) == ["pyrometer", "spectrometer"]:
         selection = replace(selection, faulty=_shown_alone(fitted, test, variations, of_test, questions[0]))

@@ -1,0 +1,88 @@
+"""Names with reserve are dropped where their amplitude may as well be nought; others stay."""
+
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of
+from plasmapyro.diagnosis.select.told import TOLD, told
+
+
+def fit_of(objective, **sizes):
+    """A fit with effects {id: amplitude over its standard error}; all amplitudes are 0.01."""
+    settings = tuple(
+        Setting(CATALOGUE[name], 0.01, dict(CATALOGUE[name].shapes[0] if CATALOGUE[name].shapes else {}))
+        for name in sizes
+    )
+    free = free_numbers(settings)
+    own = [0.01 / sizes[settings[one.place].id] if one.name is None else 5.0 for one in free]
+    state = SimpleNamespace(amplitudes=numbers_of(settings))
+    variance = np.square([1.0, 1.0, *own])  # a knot and a value come first
+    return SimpleNamespace(
+        settings=settings, state=state, covariance=np.diag(variance), objective=float(objective)
+    )
+
+
+@dataclass
+class Fitted:
+    """A search whose fits are known beforehand, by the ids that they hold."""
+
+    fits: dict
+    model: object = field(default_factory=lambda: SimpleNamespace(size=1, parameters=(None,)))
+
+    def fit(self, solution, settings):
+        return self.fits[frozenset(one.id for one in settings)]
+
+    def look(self, solution):
+        return SimpleNamespace(solution=solution)
+
+
+@dataclass(frozen=True)
+class Selected:
+    steps: tuple
+    final: object
+    sets: tuple
+    status: str = "named+unknown"
+
+    def unnamed(self):
+        return replace(self, steps=self.steps[:1], final=self.steps[0].solution, sets=(), status="unknown")
+
+
+def selected(search, **sizes):
+    base, last = fit_of(100.0), fit_of(10.0, **sizes)
+    return Selected((search.look(base), search.look(last)), last, tuple((name,) for name in sizes))
+
+
+def names(selection):
+    return [one.id for one in selection.final.settings]
+
+
+def test_a_deposit_that_may_as_well_be_none_is_no_name():
+    search = Fitted({})
+    assert names(told(search, selected(search, winE_sl=TOLD - 0.5))) == []
+    assert told(search, selected(search, winE_sl=TOLD - 0.5)).status == "unknown"
+
+
+def test_what_is_told_from_nought_and_what_is_certain_stays():
+    search = Fitted({})
+    for one in (selected(search, winE_sl=TOLD + 0.5), replace(selected(search, scat=0.5), status="named")):
+        assert told(search, one) is one
+
+
+@pytest.mark.parametrize("better", ["winE_sl", "scat"])
+def test_of_two_the_one_goes_without_which_the_fit_is_best_and_the_other_is_asked_again(better):
+    alone = {"winE_sl": fit_of(30.0, winE_sl=9.0), "scat": fit_of(30.0, scat=9.0)}
+    alone[better].objective = 12.0
+    search = Fitted({frozenset([name]): fit for name, fit in alone.items()})
+    found = told(search, selected(search, winE_sl=1.0, scat=0.5))
+    assert names(found) == [better] and found.sets == ((better,),)
+    assert [names(SimpleNamespace(final=step.solution)) for step in found.steps][-1] == [better]
+    assert found.status == "named+unknown"
+
+
+def test_a_name_that_is_told_is_not_dropped_for_one_that_is_not():
+    search = Fitted({frozenset(["Cu"]): fit_of(40.0, Cu=8.0)})
+    assert names(told(search, selected(search, Cu=8.0, edge_p=1.0))) == ["Cu"]
