@@ -10,6 +10,11 @@ from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of
 from plasmapyro.diagnosis.select.told import TOLD, told
 
+PARAMETERS = tuple(
+    SimpleNamespace(id=name, centre=0.0, sigma=0.01)
+    for name in ("clocks", "gas", "wander_pyrometer", "wander_pyrometer")
+)
+
 
 def fit_of(objective, **sizes):
     """A fit with effects {id: amplitude over its standard error}; all amplitudes are 0.01."""
@@ -19,8 +24,8 @@ def fit_of(objective, **sizes):
     )
     free = free_numbers(settings)
     own = [0.01 / sizes[settings[one.place].id] if one.name is None else 5.0 for one in free]
-    state = SimpleNamespace(amplitudes=numbers_of(settings))
-    variance = np.square([1.0, 1.0, *own])  # a knot and a value come first
+    state = SimpleNamespace(amplitudes=numbers_of(settings), values=np.zeros(len(PARAMETERS)))
+    variance = np.square([1.0, *np.ones(len(PARAMETERS)), *own])  # a knot and the values come first
     return SimpleNamespace(
         settings=settings, state=state, covariance=np.diag(variance), objective=float(objective)
     )
@@ -31,7 +36,7 @@ class Fitted:
     """A search whose fits are known beforehand, by the ids that they hold."""
 
     fits: dict
-    model: object = field(default_factory=lambda: SimpleNamespace(size=1, parameters=(None,)))
+    model: object = field(default_factory=lambda: SimpleNamespace(size=1, parameters=PARAMETERS))
 
     def fit(self, solution, settings):
         return self.fits[frozenset(one.id for one in settings)]
@@ -46,6 +51,9 @@ class Selected:
     final: object
     sets: tuple
     status: str = "named+unknown"
+
+    def doubted(self, reason):
+        return replace(self, status="named+unknown") if self.status in ("named", "one-of") else self
 
     def unnamed(self):
         return replace(self, steps=self.steps[:1], final=self.steps[0].solution, sets=(), status="unknown")
@@ -86,3 +94,22 @@ def test_of_two_the_one_goes_without_which_the_fit_is_best_and_the_other_is_aske
 def test_a_name_that_is_told_is_not_dropped_for_one_that_is_not():
     search = Fitted({frozenset(["Cu"]): fit_of(40.0, Cu=8.0)})
     assert names(told(search, selected(search, Cu=8.0, edge_p=1.0))) == ["Cu"]
+
+
+@pytest.mark.parametrize(
+    ("which", "sigmas", "status", "found"),
+    [
+        (0, 2.9, "named", "named"),
+        (0, -3.1, "named", "named+unknown"),
+        (0, 4.9, "named+unknown", "named+unknown"),
+        (0, 5.1, "named+unknown", "unknown"),
+        (0, 5.1, "named", "unknown"),
+        (1, 20.0, "named", "named"),  # the light of the gas is measured
+        (2, 20.0, "named", "named"),  # a knot of gains that wander
+    ],
+)
+def test_names_beside_which_something_known_is_far_off_are_doubtful_or_none(which, sigmas, status, found):
+    search = Fitted({})
+    one = replace(selected(search, winE=12.0), status=status)
+    one.final.state.values[which] = 0.01 * sigmas
+    assert told(search, one).status == found

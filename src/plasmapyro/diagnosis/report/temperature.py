@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from plasmapyro.constants import SECOND_RADIATION
+from plasmapyro.diagnosis.fit.build import OF_GAS
 from plasmapyro.diagnosis.report.interval import estimated_beside_bounded
 from plasmapyro.diagnosis.report.kelvin import COLDEST, SURFACE, paper_temperature, reference_of
 from plasmapyro.diagnosis.select.search import PULL
@@ -13,7 +14,6 @@ from plasmapyro.record import budget, recommended, status
 from plasmapyro.record.emittance import THROUGHPUT_CHANCE, THROUGHPUT_WIDTH, with_temperature
 from plasmapyro.record.level import EFFECTIVE
 
-OF_GAS = ("gas", "before_injection", "before_power")  # parameters of a light that is measured
 FOLLOWS = "eps_T"  # effect of an emittance that follows the temperature
 LARGEST = 0.03  # [1] standard uncertainty beyond which there is no temperature, as of the joint estimate
 

@@ -29,6 +29,7 @@ SENTENCES = {
     " another cause.",
     "bent": "A name would fit clearly better if it changed otherwise over wavelength, time, temperature or"
     " signal: it may be another cause.",
+    "strained": "Beside these names something that was known is off by more than three standard deviations.",
     "cancel": "The names nearly cancel each other: what is left may be one cause that the catalogue lacks.",
 }
 

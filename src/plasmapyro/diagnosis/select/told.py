@@ -1,20 +1,25 @@
-"""Names with reserve whose sizes the fit does not tell from nought: something is there, but not they."""
+"""Names that their own fit speaks against: something is there, but not they, or not they alone."""
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 
+from plasmapyro.diagnosis.fit.build import OF_GAS
 from plasmapyro.diagnosis.fit.setting import free_numbers
+from plasmapyro.diagnosis.select.search import PULL
 
 TOLD = 2.0  # standard errors, shapes free; see docs/decisions.md
+FAR = 5.0  # prior standard deviations that a number known before is off beside names that are not right
 
 
 def told(search, selection):
     """A selection without names of which it is doubted that they are right, and whose amplitudes are within
-    `TOLD` standard errors of nought.
+    `TOLD` standard errors of nought, or beside which a number that was known is `FAR` off.
 
     Where a formula is not that of the cause its shape goes as far as it may, and the amplitude that is left
-    may as well vanish. Of several such names that one is dropped first without which the fit is best.
+    may as well vanish, or emittance, clocks and calibrations go where they cannot be. Of several names that
+    are not told from nought that one is dropped first without which the fit is best.
 
     Parameters
     ----------
@@ -25,6 +30,11 @@ def told(search, selection):
     -------
     Selection, the same if there is nothing to drop
     """
+    strain = strained(search.model, selection.final)
+    if strain > PULL:
+        selection = selection.doubted("strained")
+    if strain > FAR and selection.status == "named+unknown":
+        return selection.unnamed()
     steps = list(selection.steps)
     while selection.status == "named+unknown":
         solution = steps[-1].solution
@@ -46,6 +56,18 @@ def told(search, selection):
     names = {setting.id for setting in final.settings}
     return replace(
         selection, steps=tuple(steps), final=final, sets=tuple(s for s in selection.sets if s[0] in names)
+    )
+
+
+def strained(model, solution):
+    """Largest distance of a number of surface or instruments from what was known of it, in its prior standard
+    deviations; gains that wander are series of small ones and not asked."""
+    numbers = list(zip(model.parameters, solution.state.values, strict=True))
+    count = Counter(parameter.id for parameter, _ in numbers)
+    return max(
+        abs(value - parameter.centre) / parameter.sigma
+        for parameter, value in numbers
+        if parameter.id not in OF_GAS and count[parameter.id] == 1
     )
 
 
