@@ -42,7 +42,19 @@ class Fitted:
         return self.fits[frozenset(one.id for one in settings)]
 
     def look(self, solution):
-        return SimpleNamespace(solution=solution)
+        screen = SimpleNamespace(candidates=[SimpleNamespace(id=name) for name in ("winE", "clock")])
+        return SimpleNamespace(
+            solution=solution,
+            screen=screen,
+            gains=np.array([3.0, 1.0]),
+            gained=lambda other: solution.objective - other.objective,
+        )
+
+    def extended(self, step, index):
+        return self.fits[frozenset([step.screen.candidates[index].id])]
+
+    def evidence(self, solution):
+        return -0.5 * solution.objective
 
 
 @dataclass(frozen=True)
@@ -109,7 +121,21 @@ def test_a_name_that_is_told_is_not_dropped_for_one_that_is_not():
     ],
 )
 def test_names_beside_which_something_known_is_far_off_are_doubtful_or_none(which, sigmas, status, found):
-    search = Fitted({})
+    search = Fitted({frozenset(["clock"]): fit_of(60.0, clock=8.0)})  # explains less than the names do
     one = replace(selected(search, winE=12.0), status=status)
     one.final.state.values[which] = 0.01 * sigmas
     assert told(search, one).status == found
+
+
+@pytest.mark.parametrize(
+    ("objective", "moved", "found"), [(12.0, 0.0, ["clock"]), (12.0, 9.0, []), (30.0, 0.0, [])]
+)
+def test_the_effect_that_a_number_far_off_is_takes_the_place_of_names_that_explain_no_more(
+    objective, moved, found
+):
+    clock = fit_of(objective, clock=8.0)
+    clock.state.values[0] = 0.01 * moved
+    search = Fitted({frozenset(["clock"]): clock})
+    one = selected(search, edge_s=12.0)
+    one.final.state.values[0] = 0.01 * 7.0
+    assert names(told(search, one)) == found

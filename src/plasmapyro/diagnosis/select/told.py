@@ -7,10 +7,21 @@ import numpy as np
 
 from plasmapyro.diagnosis.fit.build import OF_GAS
 from plasmapyro.diagnosis.fit.setting import free_numbers
+from plasmapyro.diagnosis.select.prices import CLEARLY
+from plasmapyro.diagnosis.select.screen import best_by_id
 from plasmapyro.diagnosis.select.search import PULL
 
 TOLD = 2.0  # standard errors, shapes free; see docs/decisions.md
 FAR = 5.0  # prior standard deviations that a number known before is off beside names that are not right
+OWN = {  # effect that a number of the base model is, where it is far off
+    "clocks": "clock",
+    "ratio": "phi",
+    "emittance_slope": "eps_slope",
+    "edge_wide": "edge1",
+    "edge_narrow": "edge2",
+    "tail": "resp_long",
+    "dark_drift": "off_s",
+}
 
 
 def told(search, selection):
@@ -30,11 +41,15 @@ def told(search, selection):
     -------
     Selection, the same if there is nothing to drop
     """
-    strain = strained(search.model, selection.final)
-    if strain > PULL:
+    far = strained(search.model, selection.final)
+    if far > PULL:
         selection = selection.doubted("strained")
-    if strain > FAR and selection.status == "named+unknown":
-        return selection.unnamed()
+    if far > FAR and selection.status == "named+unknown":
+        own = _own_effect(search, selection.steps[0], selection.final)
+        if own is None:
+            return selection.unnamed()
+        steps = (selection.steps[0], search.look(own))
+        selection = replace(selection, steps=steps, final=own, sets=((own.settings[0].id,),))
     steps = list(selection.steps)
     while selection.status == "named+unknown":
         solution = steps[-1].solution
@@ -62,13 +77,34 @@ def told(search, selection):
 def strained(model, solution):
     """Largest distance of a number of surface or instruments from what was known of it, in its prior standard
     deviations; gains that wander are series of small ones and not asked."""
+    return max(_distances(model, solution).values())
+
+
+def _distances(model, solution):
     numbers = list(zip(model.parameters, solution.state.values, strict=True))
     count = Counter(parameter.id for parameter, _ in numbers)
-    return max(
-        abs(value - parameter.centre) / parameter.sigma
+    return {
+        parameter.id: abs(value - parameter.centre) / parameter.sigma
         for parameter, value in numbers
         if parameter.id not in OF_GAS and count[parameter.id] == 1
-    )
+    }
+
+
+def _own_effect(search, first, solution):
+    """The fit with the one effect that a number far off in `solution` is, or None: where it explains nearly
+    as much as other names beside it do, it is the one. Another name may share with a number what both are."""
+    far = {OWN.get(name) for name, size in _distances(search.model, solution).items() if size > FAR}
+    far -= {setting.id for setting in solution.settings}
+    candidates = first.screen.candidates
+    fits = [
+        search.extended(first, index)
+        for index in best_by_id(candidates, first.gains)
+        if candidates[index].id in far
+    ]
+    best = max(fits, key=search.evidence, default=None)
+    if best is None or strained(search.model, best) > FAR:
+        return None
+    return best if first.gained(best) > CLEARLY * first.gained(solution) else None
 
 
 def _sizes(search, solution):
