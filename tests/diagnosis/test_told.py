@@ -11,8 +11,8 @@ from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of
 from plasmapyro.diagnosis.select.told import TOLD, told
 
 PARAMETERS = tuple(
-    SimpleNamespace(id=name, centre=0.0, sigma=0.01)
-    for name in ("clocks", "gas", "wander_pyrometer", "wander_pyrometer")
+    SimpleNamespace(id=name, centre=0.0, sigma=0.01, history=(name == "gas_wander"))
+    for name in ("clocks", "gas", "wander_pyrometer", "wander_pyrometer", "gas_wander", "emittance")
 )
 
 
@@ -118,6 +118,7 @@ def test_a_name_that_is_told_is_not_dropped_for_one_that_is_not():
         (0, 5.1, "named", "unknown"),
         (1, 20.0, "named", "named"),  # the light of the gas is measured
         (2, 20.0, "named", "named"),  # a knot of gains that wander
+        (4, 20.0, "named", "named"),  # the one knot of a gas in a short test
     ],
 )
 def test_names_beside_which_something_known_is_far_off_are_doubtful_or_none(which, sigmas, status, found):
@@ -139,3 +140,11 @@ def test_the_effect_that_a_number_far_off_is_takes_the_place_of_names_that_expla
     one = selected(search, edge_s=12.0)
     one.final.state.values[0] = 0.01 * 7.0
     assert names(told(search, one)) == found
+
+
+@pytest.mark.parametrize(("before", "found"), [(0.0, "unknown"), (7.0, "named+unknown")])
+def test_an_emittance_that_was_stated_too_surely_costs_no_name(before, found):
+    one = selected(Fitted({}), winE=12.0)
+    one.steps[0].solution.state.values[-1] = 0.01 * before
+    one.final.state.values[-1] = 0.01 * 7.5
+    assert told(Fitted({}), one).status == found

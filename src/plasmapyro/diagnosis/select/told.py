@@ -41,10 +41,9 @@ def told(search, selection):
     -------
     Selection, the same if there is nothing to drop
     """
-    far = strained(search.model, selection.final)
-    if far > PULL:
+    if strained(search.model, selection.final) > PULL:
         selection = selection.doubted("strained")
-    if far > FAR and selection.status == "named+unknown":
+    if selection.status == "named+unknown" and _blamed(search.model, selection):
         own = _own_effect(search, selection.steps[0], selection.final)
         if own is None:
             return selection.unnamed()
@@ -77,7 +76,15 @@ def told(search, selection):
 def strained(model, solution):
     """Largest distance of a number of surface or instruments from what was known of it, in its prior standard
     deviations; gains that wander are series of small ones and not asked."""
-    return max(_distances(model, solution).values())
+    return max(_distances(model, solution).values(), default=0.0)
+
+
+def _blamed(model, selection):
+    """Whether a number is far off that has an effect of its own, or that the names have moved further: an
+    emittance that was stated too surely is off without them too, and says nothing of them."""
+    before = _distances(model, selection.steps[0].solution)
+    now = _distances(model, selection.final)
+    return any(size > FAR and (name in OWN or size > before[name] + 1) for name, size in now.items())
 
 
 def _distances(model, solution):
@@ -86,7 +93,7 @@ def _distances(model, solution):
     return {
         parameter.id: abs(value - parameter.centre) / parameter.sigma
         for parameter, value in numbers
-        if parameter.id not in OF_GAS and count[parameter.id] == 1
+        if parameter.id not in OF_GAS and not parameter.history and count[parameter.id] == 1
     }
 
 
