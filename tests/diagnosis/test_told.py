@@ -63,12 +63,19 @@ class Selected:
     final: object
     sets: tuple
     status: str = "named+unknown"
+    reserve: str = ""
+    evidence: float = 45.0
 
     def doubted(self, reason):
         return replace(self, status="named+unknown") if self.status in ("named", "one-of") else self
 
     def unnamed(self):
         return replace(self, steps=self.steps[:1], final=self.steps[0].solution, sets=(), status="unknown")
+
+
+@pytest.fixture(autouse=True)
+def none_alike(monkeypatch):
+    monkeypatch.setattr("plasmapyro.diagnosis.select.told.alike", lambda step, name: (name,))
 
 
 def selected(search, **sizes):
@@ -100,7 +107,27 @@ def test_of_two_the_one_goes_without_which_the_fit_is_best_and_the_other_is_aske
     found = told(search, selected(search, winE_sl=1.0, scat=0.5))
     assert names(found) == [better] and found.sets == ((better,),)
     assert [names(SimpleNamespace(final=step.solution)) for step in found.steps][-1] == [better]
-    assert found.status == "named+unknown"
+    assert found.status == "named+unknown" and found.reserve == "weak" and found.evidence == 0.5 * (100 - 12)
+
+
+def test_what_a_number_that_is_off_alone_makes_doubtful_may_be_small():
+    one = replace(selected(Fitted({}), scat=0.7), status="named")
+    one.final.state.values[0] = 0.01 * 4.0
+    assert names(told(Fitted({}), one)) == ["scat"] and told(Fitted({}), one).status == "named+unknown"
+
+
+def test_the_rest_of_dropped_names_is_asked_for_numbers_that_are_far_off():
+    left = fit_of(12.0, winE=9.0)
+    left.state.values[0] = 0.01 * 6.0
+    assert (
+        names(
+            told(
+                Fitted({frozenset(["winE"]): left}),
+                selected(Fitted({frozenset(["winE"]): left}), winE=9.0, scat=0.5),
+            )
+        )
+        == []
+    )
 
 
 def test_a_name_that_is_told_is_not_dropped_for_one_that_is_not():
@@ -140,6 +167,7 @@ def test_the_effect_that_a_number_far_off_is_takes_the_place_of_names_that_expla
     one = selected(search, edge_s=12.0)
     one.final.state.values[0] = 0.01 * 7.0
     assert names(told(search, one)) == found
+    assert told(search, one).reserve == ("own" if found else "")
 
 
 @pytest.mark.parametrize(("before", "found"), [(0.0, "unknown"), (7.0, "named+unknown")])

@@ -194,7 +194,7 @@ formulas(
 
 @effect("grad")
 def _grad(s, a, p, c):
-    """A bowl: temperature falls as the square of the radius, so that all of its values have equal areas."""
+    """Patches: all temperatures between two have equal areas, of the same mean in both spots."""
     points, weights = np.polynomial.legendre.leggauss(7)
     for who, sigma in (("p", a), ("s", a * np.sqrt(p["share"]))):
         mean = sum(

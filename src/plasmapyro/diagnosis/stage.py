@@ -176,14 +176,17 @@ def diagnose(
         left = _left_alone(fitted(test, variations, bands=False, **of_test), selection.final.settings)
     left = in_turn(base.model.record) or left or in_samples
     selection = selection.with_rest(left)
-    if cut and selection.status == "named+unknown":
-        selection, gained = selection.unnamed(), None
     if excursion(base.model, selection.final) is not None:
         selection = selection.beside(EXCURSION)
     doubted = selection.final
     selection = told(Search(base.model, base.fitter, questions[0], selection.thresholds), selection)
     if selection.final is not doubted:
         gained = _gained(base, selection)
+        silent = gained is not None and gained.silent and not selection.outweighs_unknown
+        if silent or not selection.final.converged:
+            selection, gained = selection.unnamed(), None
+    if cut and selection.status == "named+unknown":
+        selection, gained = selection.unnamed(), None
     sources = instruments(test)
     if selection.status == "named+unknown" and plasma and sorted(sources) == ["pyrometer", "spectrometer"]:
         selection = replace(selection, faulty=_shown_alone(fitted, test, variations, of_test, questions[0]))

@@ -8,7 +8,7 @@ from plasmapyro.radiation.planck import planck
 PIVOT = 0.95e-6  # [m] where spectral slopes turn
 MICROMETRE = 1e-6
 HOTTEST, COLD = 1600.0, 350.0  # [K] between which a dependence on temperature is counted
-COLDEST_SHARE = 1 / 3  # of its mean temperature that a spot has anywhere
+COLDEST, COLDEST_SHARE = 60.0, 1 / 3  # [K], and of the mean: no point of the rule lies lower, and it is dark
 FOOTPRINT_RATIO = 10.0 / 14.0  # diameter of the spot of the spectrometer over that of the pyrometer
 LAGS, SHARES = np.polynomial.laguerre.laggauss(4)
 COVER_EMITTANCE = 1.0  # ASSUME: the cover of the probe emits like the sample
@@ -78,9 +78,10 @@ def gradient(scene, amplitude, *, exponent, profile=1.0):
     """
     relative = np.clip(scene.temperature / HOTTEST, 0.1, 2.0) ** exponent
     sigma = amplitude * (FOOTPRINT_RATIO**profile if scene.kind == "spectrometer" else 1.0) * relative
-    # A surface whose coldest point has a third of its mean temperature is dark there anyway.
     apart = np.minimum(np.sqrt(2.0) * sigma, scene.temperature * (1 - COLDEST_SHARE))
-    cold, mean, hot = (planck(scene.wavelength, scene.temperature + sign * apart) for sign in (-1, 0, 1))
+    cold, mean, hot = (
+        planck(scene.wavelength, np.maximum(scene.temperature + sign * apart, COLDEST)) for sign in (-1, 0, 1)
+    )
     return scene.but(glow=scene.glow * (0.5 + 0.25 * (cold + hot) / mean))
 
 

@@ -30,6 +30,8 @@ SENTENCES = {
     "bent": "A name would fit clearly better if it changed otherwise over wavelength, time, temperature or"
     " signal: it may be another cause.",
     "strained": "Beside these names something that was known is off by more than three standard deviations.",
+    "own": "Other names explain as much, but only if something that was known is far off.",
+    "weak": "Beside these names others were dropped whose size the data do not tell from nought.",
     "cancel": "The names nearly cancel each other: what is left may be one cause that the catalogue lacks.",
 }
 

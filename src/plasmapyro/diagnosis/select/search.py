@@ -108,10 +108,26 @@ class Search:
             # Without a clock the base model has moved its own as far as it goes.
             begin = step.solution if newest.effect.clock is None else found
             found = _best([found, *(self.fit(begin, settings) for settings in begun)])
+        if newest.effect.clock is not None:
+            found = _best([found, *self._own_clock(step, newest)])
         if candidate.step is not None:
             found = self.from_all_shapes(step, found)
             return _best([found, *self._beside(found)])
         return found if found.converged else self.from_all_shapes(step, found)
+
+    def _own_clock(self, step, newest):
+        """Fit begun with the clock that the base model has moved far as that of the effect: once it is moved,
+        no tangent leads back."""
+        model, state = self.model, step.solution.state
+        place = model.index.get("clocks")
+        if place is None:
+            return
+        moved = state.values[place] - model.parameters[place].centre
+        if abs(moved) > PULL * model.parameters[place].sigma:
+            values = state.values.copy()
+            values[place] -= moved
+            settings = (*step.settings, replace(newest, amplitude=float(moved), shape={}))
+            yield self.fitter.fit(replace(state, values=values, amplitudes=numbers_of(settings)), settings)
 
     def _beside(self, found):
         """Fits begun half a sample to either side of the newest effect, a clock: behind the next sample lies

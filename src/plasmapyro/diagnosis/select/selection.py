@@ -193,7 +193,7 @@ def select(base, effects, *, thresholds=None, draws=2000, seed=1):
     if unknown and seen_by(unknown)["axis"] == "signal":
         unknown = _along_time(search, steps[-1], unknown)
     final = steps[-1].solution
-    sets = tuple(_alike(first, setting.id) for setting in final.settings)
+    sets = tuple(alike(first, setting.id) for setting in final.settings)
     doubt = "" if unknown else reserve(steps, search.thresholds.third, sets)
     if sets and not unknown and not doubt and float(first.unknown.max()) > evidence + MARGIN:
         doubt = BEATEN
@@ -249,7 +249,7 @@ def _along_time(search, step, identity):
     return best if in_time.max() > (1 + FORMULA) * in_signal.max() else identity
 
 
-def _alike(step, identity):
+def alike(step, identity):
     """Ids that the data do not tell from an effect: nearly the same gain, or nearly the same direction."""
     screen, gains = step.screen, step.gains
     order = best_by_id(screen.candidates, gains)

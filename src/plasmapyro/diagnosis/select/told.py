@@ -10,6 +10,7 @@ from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.diagnosis.select.prices import CLEARLY
 from plasmapyro.diagnosis.select.screen import best_by_id
 from plasmapyro.diagnosis.select.search import PULL
+from plasmapyro.diagnosis.select.selection import alike
 
 TOLD = 2.0  # standard errors, shapes free; see docs/decisions.md
 FAR = 5.0  # prior standard deviations that a number known before is off beside names that are not right
@@ -26,7 +27,8 @@ OWN = {  # effect that a number of the base model is, where it is far off
 
 def told(search, selection):
     """A selection without names of which it is doubted that they are right, and whose amplitudes are within
-    `TOLD` standard errors of nought, or beside which a number that was known is `FAR` off.
+    `TOLD` standard errors of nought, or beside which a number that was known is `FAR` off, unless the effect
+    that this number is explains as much, or it is as far off without them.
 
     Where a formula is not that of the cause its shape goes as far as it may, and the amplitude that is left
     may as well vanish, or emittance, clocks and calibrations go where they cannot be. Of several names that
@@ -41,20 +43,21 @@ def told(search, selection):
     -------
     Selection, the same if there is nothing to drop
     """
+    first, doubtful = selection.steps[0], selection.status == "named+unknown"
     if strained(search.model, selection.final) > PULL:
         selection = selection.doubted("strained")
-    if selection.status == "named+unknown" and _blamed(search.model, selection):
-        own = _own_effect(search, selection.steps[0], selection.final)
-        if own is None:
-            return selection.unnamed()
-        steps = (selection.steps[0], search.look(own))
-        selection = replace(selection, steps=steps, final=own, sets=((own.settings[0].id,),))
+    if selection.status != "named+unknown":
+        return selection
+    if _blamed(search.model, first.solution, selection.final):
+        own = _own_effect(search, first, selection.final)
+        return (
+            selection.unnamed() if own is None else _with(search, selection, [first, search.look(own)], "own")
+        )
     steps = list(selection.steps)
-    while selection.status == "named+unknown":
+    while doubtful:  # what a number that is off alone makes doubtful may be the cause of that
         solution = steps[-1].solution
-        weak = [
-            one for one, size in zip(solution.settings, _sizes(search, solution), strict=True) if size < TOLD
-        ]
+        sizes = zip(solution.settings, _sizes(search, solution), strict=True)
+        weak = [one for one, size in sizes if size < TOLD]
         if not weak:
             break
         if len(solution.settings) == 1:
@@ -64,12 +67,23 @@ def told(search, selection):
             for dropped in weak
         ]
         steps.append(search.look(min(fits, key=lambda fit: fit.objective)))
-    final = steps[-1].solution
-    if final is selection.steps[-1].solution:
+    if len(steps) == len(selection.steps):
         return selection
-    names = {setting.id for setting in final.settings}
+    if _blamed(search.model, first.solution, steps[-1].solution):
+        return selection.unnamed()
+    return _with(search, selection, steps, "weak")
+
+
+def _with(search, selection, steps, reason):
+    """The selection with other rounds, of which the last holds its names, with reserve for a reason."""
+    first, final = steps[0], steps[-1].solution
     return replace(
-        selection, steps=tuple(steps), final=final, sets=tuple(s for s in selection.sets if s[0] in names)
+        selection,
+        steps=tuple(steps),
+        final=final,
+        sets=tuple(alike(first, setting.id) for setting in final.settings),
+        reserve=reason,
+        evidence=search.evidence(final) - search.evidence(first.solution),
     )
 
 
@@ -79,12 +93,12 @@ def strained(model, solution):
     return max(_distances(model, solution).values(), default=0.0)
 
 
-def _blamed(model, selection):
-    """Whether a number is far off that has an effect of its own, or that the names have moved further: an
-    emittance that was stated too surely is off without them too, and says nothing of them."""
-    before = _distances(model, selection.steps[0].solution)
-    now = _distances(model, selection.final)
-    return any(size > FAR and (name in OWN or size > before[name] + 1) for name, size in now.items())
+def _blamed(model, before, now):
+    """Whether in a fit a number is far off that has an effect of its own, or that is farther off than in the
+    one `before` its names: an emittance that was stated too surely says nothing of them."""
+    there = _distances(model, before)
+    sizes = _distances(model, now).items()
+    return any(size > FAR and (name in OWN or size > there[name] + 1) for name, size in sizes)
 
 
 def _distances(model, solution):
@@ -109,7 +123,7 @@ def _own_effect(search, first, solution):
         if candidates[index].id in far
     ]
     best = max(fits, key=search.evidence, default=None)
-    if best is None or strained(search.model, best) > FAR:
+    if best is None or _blamed(search.model, first.solution, best):
         return None
     return best if first.gained(best) > CLEARLY * first.gained(solution) else None
 
