@@ -12,7 +12,7 @@ import pytest
 from blind import run
 
 SEED = os.environ.get("BLIND_SEED", "a word that nothing was fitted to")
-CASES = {"null": 1, "single": 3, "outside": 2, "without": 1, "sabotage": 1}
+CASES = {"null": 1, "liar": 1, "single": 4, "double": 1, "outside": 2, "without": 1, "sabotage": 1}
 
 
 @pytest.fixture(scope="module")

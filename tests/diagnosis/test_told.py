@@ -1,4 +1,4 @@
-"""Names with reserve are dropped where their amplitude may as well be nought; others stay."""
+"""Names with reserve are dropped where their own fit speaks against them; others stay."""
 
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.effects.catalogue import CATALOGUE
+from plasmapyro.diagnosis.fit.inference import Solution, State
+from plasmapyro.diagnosis.fit.parameter import Parameter
 from plasmapyro.diagnosis.fit.setting import Setting, free_numbers, numbers_of
+from plasmapyro.diagnosis.select.search import Search
 from plasmapyro.diagnosis.select.told import TOLD, told
 
 PARAMETERS = tuple(
@@ -119,15 +122,8 @@ def test_what_a_number_that_is_off_alone_makes_doubtful_may_be_small():
 def test_the_rest_of_dropped_names_is_asked_for_numbers_that_are_far_off():
     left = fit_of(12.0, winE=9.0)
     left.state.values[0] = 0.01 * 6.0
-    assert (
-        names(
-            told(
-                Fitted({frozenset(["winE"]): left}),
-                selected(Fitted({frozenset(["winE"]): left}), winE=9.0, scat=0.5),
-            )
-        )
-        == []
-    )
+    search = Fitted({frozenset(["winE"]): left})
+    assert names(told(search, selected(search, winE=9.0, scat=0.5))) == []
 
 
 def test_a_name_that_is_told_is_not_dropped_for_one_that_is_not():
@@ -176,3 +172,21 @@ def test_an_emittance_that_was_stated_too_surely_costs_no_name(before, found):
     one.steps[0].solution.state.values[-1] = 0.01 * before
     one.final.state.values[-1] = 0.01 * 7.5
     assert told(Fitted({}), one).status == found
+
+
+@pytest.mark.parametrize(("sigmas", "begun"), [(17.0, 1), (-17.0, 1), (2.9, 0)])
+def test_a_clock_that_the_base_model_has_moved_far_begins_a_fit_as_the_effect(sigmas, begun):
+    tried = []
+    fitter = SimpleNamespace(fit=lambda state, settings: tried.append((state, settings)))
+    parameters = (Parameter("gas", "gas", 0.1), Parameter("clocks", "clock", 0.02))
+    model = SimpleNamespace(index={"gas": 0, "clocks": 1}, parameters=parameters)
+    values = np.array([0.3, 0.02 * sigmas])
+    state = State(np.zeros(1), values.copy(), (), (), (), (), np.zeros(0))
+    solution = Solution(state, (), *[None] * 14)
+    step = SimpleNamespace(solution=solution, settings=())
+    newest = Setting(CATALOGUE["clock"], 0.01, {"spectra": 1.0})
+    assert len(list(Search(model, fitter, {})._own_clock(step, newest))) == len(tried) == begun
+    for moved, (setting,) in tried:
+        assert np.array_equal(moved.values, [0.3, 0.0])
+        assert setting.amplitude == pytest.approx(0.02 * sigmas) and setting.shape == {}
+    assert np.array_equal(state.values, values)

@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from scipy import constants
+from scipy.integrate import quad
 from two_bands import RESPONSE
 from worlds import case, engine, faults, laboratory, sample
 from worlds.faults import EFFECTS
@@ -263,6 +265,25 @@ def test_photons_scatter_as_their_number(stage):
 def test_a_hidden_effect_has_the_size_it_was_asked_for(measure, name, shape):
     made = measure.sized(name, 15.0, 1, shape)
     assert measure.signature([made])[1] == pytest.approx(15.0, rel=0.05)
+
+
+@pytest.mark.parametrize(("who", "share"), [("p", 1.0), ("s", 0.5)])
+def test_unequal_temperatures_shine_as_their_mean_over_equal_areas(stage, who, share):
+    """Against an adaptive integral of Planck's law, with the constants of CODATA, over a uniform law."""
+    plain, sigma = stage.scene, 100.0
+    patchy = stage.hidden([{"effect": "grad", "amplitude": sigma, "shape": {"share": 0.5}}])
+    at = int(np.argmax(plain.kelvin * (plain.seen > 0.99)))
+    kelvin, apart = float(plain.kelvin[at]), np.sqrt(3 * share) * sigma
+    c2 = constants.h * constants.c / constants.k
+    assert patchy.kelvin[at] == kelvin
+    for place in (0, laboratory.SMOOTH.size // 2, -1):
+        x = c2 / laboratory.SMOOTH[place]
+        mean = quad(lambda t, x=x: 1 / np.expm1(x / t), kelvin - apart, kelvin + apart)[0] / (2 * apart)
+        more = mean * np.expm1(x / kelvin) - 1
+        body = np.broadcast_to(plain.emittance, patchy.surface[who].shape)[at, place]
+        body = body * laboratory.planck(laboratory.SMOOTH, np.array([[kelvin]]))[0, place] * plain.seen[at]
+        added = patchy.surface[who][at, place] - plain.surface[who][at, place]
+        assert added / body == pytest.approx(more, rel=1e-4)  # seven points; digits of c2 in the laboratory
 
 
 def test_alike_effects_are_close_and_others_far(measure):

@@ -196,15 +196,12 @@ formulas(
 def _grad(s, a, p, c):
     """Patches: all temperatures between two have equal areas, of the same mean in both spots."""
     points, weights = np.polynomial.legendre.leggauss(7)
+    kelvin = _column(s.kelvin)
+    seen = s.emittance * _column(s.seen)  # not what grains add
     for who, sigma in (("p", a), ("s", a * np.sqrt(p["share"]))):
-        mean = sum(
-            weight / 2 * planck(SMOOTH, np.maximum(_column(s.kelvin) + np.sqrt(3) * sigma * point, 200.0))
-            for point, weight in zip(points, weights, strict=True)
-        )
-        own = (
-            s.emittance * (mean - planck(SMOOTH, _column(s.kelvin))) * _column(s.seen)
-        )  # not what grains add
-        s = _added(s, own, who)
+        apart = np.sqrt(3) * sigma
+        bodies = [planck(SMOOTH, np.maximum(kelvin + apart * point, 200.0)) for point in points]
+        s = _added(s, seen * (np.tensordot(weights / 2, bodies, 1) - planck(SMOOTH, kelvin)), who)
     return s
 
 

@@ -118,16 +118,13 @@ class Search:
     def _own_clock(self, step, newest):
         """Fit begun with the clock that the base model has moved far as that of the effect: once it is moved,
         no tangent leads back."""
-        model, state = self.model, step.solution.state
-        place = model.index.get("clocks")
-        if place is None:
-            return
-        moved = state.values[place] - model.parameters[place].centre
-        if abs(moved) > PULL * model.parameters[place].sigma:
-            values = state.values.copy()
-            values[place] -= moved
-            settings = (*step.settings, replace(newest, amplitude=float(moved), shape={}))
-            yield self.fitter.fit(replace(state, values=values, amplitudes=numbers_of(settings)), settings)
+        solution, place = step.solution, self.model.index["clocks"]
+        own, values = self.model.parameters[place], solution.state.values.copy()
+        moved = float(values[place] - own.centre)
+        if abs(moved) > PULL * own.sigma:
+            values[place] = own.centre
+            begin = replace(solution, state=replace(solution.state, values=values))
+            yield self.fit(begin, (*step.settings, replace(newest, amplitude=moved, shape={})))
 
     def _beside(self, found):
         """Fits begun half a sample to either side of the newest effect, a clock: behind the next sample lies
