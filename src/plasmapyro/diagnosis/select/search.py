@@ -108,7 +108,7 @@ class Search:
             # Without a clock the base model has moved its own as far as it goes.
             begin = step.solution if newest.effect.clock is None else found
             found = _best([found, *(self.fit(begin, settings) for settings in begun)])
-        if newest.effect.clock is not None:
+        if newest.effect.clock is not None and "clocks" in self.model.index:  # one alone has none of its own
             found = _best([found, *self._own_clock(step, newest)])
         if candidate.step is not None:
             found = self.from_all_shapes(step, found)
