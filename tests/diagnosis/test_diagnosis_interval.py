@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plasmapyro.diagnosis.report.interval import estimated_beside_bounded, half_width
-from plasmapyro.diagnosis.report.temperature import doubtful, other_clock
+from plasmapyro.diagnosis.report.temperature import COLOUR, doubtful, other_clock, other_colour
 
 
 def test_each_error_alone_has_its_own_interval():
@@ -84,3 +84,35 @@ def test_a_name_with_reserve_widens_the_interval_by_the_chance_that_it_is_wrong(
         probability=({"clock": 0.5, "winE": 0.14, "unknown": 0.3, "none": 0.06}, 0.5),
     )
     np.testing.assert_allclose(doubtful(findings, np.array([10.0, -5.0])), kept * np.array([10.0, -5.0]))
+
+
+def bands_alone(slope, gas, weight=True):
+    """A model of bands alone and its fit: slopes (n, C) of the surface, light (n, C) of the gas."""
+    one = SimpleNamespace(weight=weight or None, channels=gas.shape[1], time=np.arange(len(gas)) + 0.5)
+    jacobian = np.stack([0.4 * slope, 0.6 * slope, np.full_like(slope, 9.0)], axis=2)  # two knots, a value
+    return SimpleNamespace(instruments=[one], size=2), SimpleNamespace(gas=(gas,), jacobian=(jacobian,))
+
+
+@pytest.mark.parametrize("bands", [2, 3])
+def test_a_gas_of_another_colour_costs_what_least_squares_say(bands):
+    """Against the covariance of temperature and brightness from independent errors of each band."""
+    slope = np.array([[0.02, 0.5, 0.9], [1e-4, 6e-3, 2e-3], [0.3, 0.1, 0.7]])[:, :bands]
+    gas = np.array([[3.0, 2.0, 1.0], [3.0, 2.0, 1.5], [0.0, 0.0, 0.0]])[:, :bands]
+    cost = other_colour(*bands_alone(slope, gas), np.arange(3) + 0.5)
+    for place in range(2):
+        design = np.stack([slope[place], gas[place]], axis=1)
+        inverse = np.diag(2 / (COLOUR * gas[place]) ** 2)
+        covariance = np.linalg.inv(design.T @ inverse @ design)
+        assert cost[place] == pytest.approx(np.sqrt(covariance[0, 0]), rel=1e-9)
+    assert cost[2] == 0.0  # after the end of the plasma
+
+
+def test_one_band_or_a_spectrum_beside_it_costs_nothing():
+    slope, gas = np.ones((2, 1)), np.ones((2, 1))
+    assert not other_colour(*bands_alone(slope, gas), np.arange(2) + 0.5).any()
+    slope, gas = np.array([[0.1, 0.5]]), np.ones((1, 2))
+    model, fit = bands_alone(slope, gas)
+    assert other_colour(model, fit, np.array([0.5])).all()
+    assert not other_colour(*bands_alone(slope, gas, weight=False), np.array([0.5])).any()
+    model.instruments *= 2
+    assert not other_colour(model, fit, np.array([0.5])).any()

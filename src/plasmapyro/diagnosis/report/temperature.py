@@ -14,8 +14,10 @@ from plasmapyro.record import budget, recommended, status
 from plasmapyro.record.emittance import THROUGHPUT_CHANCE, THROUGHPUT_WIDTH, with_temperature
 from plasmapyro.record.level import EFFECTIVE
 
+NOTHING = 1e-12  # [K-1] by which light of the surface changes beside that of the gas
 FOLLOWS = "eps_T"  # effect of an emittance that follows the temperature
 LARGEST = 0.03  # [1] standard uncertainty beyond which there is no temperature, as of the joint estimate
+COLOUR = 0.03  # [1] by which the colour of the gas changes, as `gas_change` of the joint estimate
 
 
 def temperatures(findings, against=(), contradicted=((), "")):
@@ -117,6 +119,7 @@ def _interval(findings, solution, unsure=0.0):
     unsure = np.hypot(np.hypot(unsure, strained(model, solution, basis)), basis @ findings.unknown_shift)
     unsure = np.hypot(unsure, unlike_throughput(model, solution, basis)[0])
     unsure = np.hypot(unsure, following(model, solution, basis))
+    unsure = np.hypot(unsure, other_colour(model, solution, times))
     variance = np.einsum("tk,kl,tl->t", basis, covariance[:size, :size], basis)
     # What the model leaves of the data beyond their noise is in the interval as well.
     misfit = max(solution.objective / max(solution.count - findings.fitted, 1), 1.0)
@@ -159,6 +162,28 @@ def following(model, solution, basis):
         return np.zeros(len(basis))
     kelvin = np.maximum(basis @ solution.state.knots, COLDEST)
     return EFFECTIVE / SECOND_RADIATION * kelvin**2 * with_temperature(kelvin, model.emittance)
+
+
+def other_colour(model, solution, times):
+    r"""What it costs (t,) [K] bands alone that the gas changes its colour, which no spectrum follows.
+
+    .. math:: u^{-2} = \frac{2}{s^2} \sum_c (x_c - \bar x)^2, \qquad
+              x_c = \frac{1}{G_c} \frac{\partial S_c}{\partial T}
+
+    with the light G of the gas in each band, each off by :math:`s/\sqrt 2`, and S of the surface: least
+    squares for temperature and brightness of the gas at one moment. The base model holds the colour from
+    injection to end, so that the hot surface tells the gas of the first seconds, and a colour that is off by
+    5 % was a surface of 828 +- 10 K for one of 400 to 800. 0 without a gas.
+    """
+    only, missed = model.instruments[0], np.zeros(len(times))
+    if len(model.instruments) > 1 or only.weight is None or only.channels < 2:
+        return missed
+    gas = solution.gas[0]
+    shining = (gas > 0).all(axis=1)
+    by_kelvin = solution.jacobian[0][shining, :, : model.size].sum(axis=2) / gas[shining]
+    apart = np.sqrt(2 * by_kelvin.shape[1] * by_kelvin.var(axis=1))
+    missed[np.searchsorted(times, only.time[shining])] = COLOUR / np.maximum(apart, NOTHING)
+    return missed
 
 
 def unlike_throughput(model, solution, basis):
@@ -266,6 +291,9 @@ def _inputs(findings, solution, shift):
     if throughput.any():
         words = "throughput of the pyrometer, were it not as stated"
         rows.append(budget.Input(words, "calibration", throughput, THROUGHPUT_WIDTH, "1"))
+    colour = other_colour(model, solution, findings.times)
+    if colour.any():
+        rows.append(budget.Input("colour of the gas that changes", "gas", colour, COLOUR, "1"))
     return [
         *rows,
         budget.Input(
