@@ -647,16 +647,22 @@ def test_a_gas_in_which_nothing_is_named_is_as_rough_as_it_seems(with_argon, mon
     assert seen == [raise_errors(Simulated(*with_argon, argon), argon).roughness]
 
 
-@pytest.mark.parametrize(("power", "brightness"), [(0.0, 0.5), (0.1, -0.7), (-0.2, 0.5)])
-def test_light_kept_of_a_power_is_that_of_the_model(fitted, record, power, brightness):
-    """An effect of no size asks the model itself; without effects the light of a power is kept and scaled."""
+@pytest.mark.parametrize(("power", "brightness"), [(0.0, 0.5), (0.1, -0.7)])
+def test_light_of_a_simulated_gas_is_that_of_the_model(fitted, record, power, brightness):
+    """Light is kept, scaled, and seen without a surface; the model itself knows nothing of that."""
+    effects = {**OF_GAS, **OF_FLOW, "He I": lines_of("He I")}
     base = fitted(record())
     with np.errstate(all="ignore"):
-        simulated = Simulated(base.model, measured_gas(base.model, base.solution), OF_GAS)
-        kept = [simulated.light(power, one) for one in (0.0, brightness, brightness)]
-        whole = simulated.light(power, brightness, (Setting(CATALOGUE["T_vib"], 0.0, {}),))
-    np.testing.assert_array_equal(kept[1], kept[2])
-    np.testing.assert_allclose(kept[1], whole, rtol=1e-12)
+        simulated = Simulated(base.model, measured_gas(base.model, base.solution), effects)
+    own = simulated.model
+    values = simulated.centre.copy()
+    values[own.index["power"]], values[own.index["gas"]] = power, brightness
+    asked = [(Setting(one, 2 * one.sigma, dict(one.shapes[-1])),) for one in effects.values()]
+    for settings in [(), *asked, (*asked[0], *asked[-1])]:
+        kept = [simulated.light(power, one, settings) for one in (0.0, brightness, brightness)]
+        whole = [own.evaluate(i, simulated.cold, values, settings)[0] for i in range(len(own.instruments))]
+        np.testing.assert_array_equal(kept[1], kept[2])
+        np.testing.assert_allclose(kept[1], np.concatenate(whole) * simulated.unit, rtol=1e-10)
 
 
 def test_bands_of_another_rotational_structure_raise_their_error(fitted, record, radiation, axis):

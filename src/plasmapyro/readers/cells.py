@@ -4,7 +4,7 @@ import csv
 import re
 
 from plasmapyro.readers import clock, units
-from plasmapyro.readers.text import GROUPED, ONE_GROUP, fault, missing, number
+from plasmapyro.readers.text import GROUPED, NUMBER, ONE_GROUP, fault, missing, number
 
 DELIMITERS = {"tab": "\t", ";": ";", ",": ",", "|": "|", "space": " ", "blanks": "  "}
 IN_BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")  # searched for after the blanks at both ends are cut off
@@ -118,16 +118,19 @@ def decimal_sign(path, mark, cells, numbers):
 
     Where a cell shows that one sign parts thousands ('1,234.5', '1,234,567') it does so in all.
     """
+    words = [word for row in cells.values() for word in row]
+    plain = [word for word in words if NUMBER.fullmatch(word)]  # most; in groups where others are, at most
     known = [
         word
-        for words in cells.values()
         for word in words
-        if not missing(word) and not clock.looks_like_stamp(word)
+        if not NUMBER.fullmatch(word) and not missing(word) and not clock.looks_like_stamp(word)
     ]
     shown = [[sign for sign in ".," if GROUPED[sign].fullmatch(word)] for word in known]
     parted = {signs[0] for signs in shown if len(signs) == 1}
-    commas = points = doubtful = 0
-    for word, signs in zip(known, shown, strict=True):
+    commas = doubtful = 0
+    points = 0 if parted else sum("." in word for word in plain)
+    also = [(word, []) for word in plain] if parted else []
+    for word, signs in (*zip(known, shown, strict=True), *also):
         one = next((sign for sign in parted if ONE_GROUP[sign].fullmatch(word)), None)
         sign = signs[0] if len(signs) == 1 else one if len(parted) == 1 else None
         commas += "," in word if sign is None else sign == ","

@@ -16,6 +16,7 @@ OF_A_VALUES = ("multiplet", "line")  # causes
 SCALE = "wshift"  # the effect that is a wrong scale of the wavelengths
 MOVING = SCALE, SLIT
 COLD = 250.0  # [K]: a surface that does not shine
+MOST_KEPT = 1000  # lights that fits have asked for
 
 # At the same power the gas of a higher pressure is hotter, as that of a higher power at the same pressure:
 # ln P of it over ln p, by flows at 25, 50 and 100 mbar and 80 kW (0.12 and 0.15, read from their spectra).
@@ -73,8 +74,11 @@ class Simulated:
         self.centre = np.array([parameter.centre for parameter in self.model.parameters])
         self.centre[self.model.index["gas"]] = 0.0
         self.cold = np.full(model.size, COLD)
-        self._plain = {}
-        self.unit = measured.simulated / self._signals(self.centre, ())
+        self._scenes = [
+            self.model.scene(which, self.cold, self.centre, ())[0] for which in range(len(instruments))
+        ]
+        self._kept = {}
+        self.unit = measured.simulated / self._signals(0.0, ())[0]
         self.systems, self.shape_systems = model.library.systems, model.library.shape_systems
         self._see(())
 
@@ -99,11 +103,22 @@ class Simulated:
         other._see(moving)
         return other
 
-    def _signals(self, values, settings):
-        """Signals (C,) of all instruments, in their units."""
-        count = len(self.model.instruments)
-        found = [self.model.evaluate(which, self.cold, values, settings)[0] for which in range(count)]
-        return np.concatenate(found)
+    def _signals(self, power, settings):
+        """Signals (2, C) of all instruments, in their units, before a surface that does not shine: of a gas
+        as bright as simulated, and of what is not as bright as it is."""
+        values = self.centre.copy()
+        values[self.model.index["power"]] = power
+        spectrum, changed, found = self.model.spectrum(values), {}, []
+        for which, (one, plain) in enumerate(zip(self.model.instruments, self._scenes, strict=True)):
+            acting = tuple(setting.id for setting in settings if setting.acts_on(one.kind))
+            if acting not in changed:  # the spectrum is that of the gas, whoever looks at it
+                changed[acting] = _changed(plain.but(spectrum=spectrum, power=power), acting, settings)
+            scene = changed[acting]
+            rows = np.array([scene.spectrum, *(row for _, row in scene.more_gas)])
+            share = np.array([plain.gas_gain.mean(), *(part.mean() for part, _ in scene.more_gas)])
+            light = share[:, None] * self.model.signal_of(which, rows, self.centre, scene)
+            found.append(np.array([light[0], light[1:].sum(axis=0)]))
+        return np.concatenate(found, axis=1)
 
     def _channels(self, spectra, settings):
         """Spectra (M, K) in the channels (M, C), over the level, by scale and slit as settings say."""
@@ -115,15 +130,14 @@ class Simulated:
 
     def light(self, power, brightness, settings=()):
         """Light (C,) over the level, for logarithms of power and brightness and with effects."""
-        values = self.centre.copy()
-        values[self.model.index["power"]] = power
-        if settings:
-            values[self.model.index["gas"]] = brightness
-            return self._signals(values, settings) * self.unit
-        # Without effects it is proportional to the brightness: fits ask for many at one power.
-        if power not in self._plain:
-            self._plain[power] = self._signals(values, ()) * self.unit
-        return np.exp(brightness) * self._plain[power]
+        # Fits ask for many brightnesses at one power, and for one beside the other.
+        key = power, tuple((one.id, one.amplitude, *sorted(one.shape.items())) for one in settings)
+        if key not in self._kept:
+            if len(self._kept) >= MOST_KEPT:
+                del self._kept[next(iter(self._kept))]
+            self._kept[key] = self._signals(power, settings) * self.unit
+        gas, more = self._kept[key]
+        return np.exp(brightness) * gas + more
 
     def covariance(self, modes, light):
         """Covariance (C, C) of the error that modes (M, C) state, relative to some light (C,)."""
@@ -151,3 +165,11 @@ class Simulated:
     def stronger(self, factors):
         """The modes of shape (M, C) where systems are {name: factor} as bright as expected."""
         return self.shape * np.array([factors.get(name, 1.0) for name in self.shape_systems])[:, None]
+
+
+def _changed(scene, acting, settings):
+    """A scene with what those of some settings that are `acting` (ids) change of its light."""
+    for setting in sorted(settings, key=lambda setting: setting.effect.order):
+        if setting.id in acting and setting.effect.light is not None:
+            scene = setting.effect.light(scene, setting.amplitude, **setting.shape)
+    return scene
