@@ -79,11 +79,13 @@ def write_pages(app):
 def effects():
     """Lines of the page of all effects of the catalogue, from the table that the package reads."""
     yield from ("# What a diagnosis can name", "", "As `diagnose --without` takes them.", "")
-    yield from ("| id | cause | class | looks like | what would decide |", "|---|---|---|---|---|")
+    yield from ("| id | cause | size | class | looks like | what would decide |", "|---|---|---|---|---|---|")
     with (PACKAGE / "diagnosis/effects/effects.csv").open(encoding="utf-8", newline="") as file:
         for one in csv.DictReader(file):
             alike = ", ".join(f"`{name}`" for name in one["alike"].split())
-            yield f"| `{one['id']}` | {one['name']} | {one['class']} | {alike} | {one['measurement']} |"
+            size = f"{one['amplitude']} [{one['unit']}]"
+            cells = f"`{one['id']}`", one["name"], size, one["class"], alike, one["measurement"]
+            yield f"| {' | '.join(cells)} |"
 
 
 def write_notebook(app, error):
