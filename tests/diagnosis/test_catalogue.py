@@ -276,3 +276,20 @@ def test_the_dark_of_the_base_model_drifts_by_counts_of_all_pixels(model):
         assert counts == pytest.approx(np.broadcast_to(counts[:, :1], counts.shape), abs=1e-6)
         assert np.polyfit(one.time, counts[:, 0], 1)[0] * np.ptp(one.time) == pytest.approx(3.0, rel=0.05)
         assert 0 <= counts.min() < 0.1 and 2.9 < counts.max() <= 3.0001
+
+
+def test_the_dark_of_the_base_model_wanders_between_its_ends(model):
+    knots = np.interp(model.history.knots, [0, 20, 120, 150], [350, 1200, 1500, 1150])
+    values = np.array([parameter.centre for parameter in model.parameters])
+    which = next(place for place, one in enumerate(model.instruments) if one.kind == "spectrometer")
+    one, moved = model.instruments[which], values.copy()
+    moved[model.index["dark_walk_2"]] = 0.5
+    counts = (model.evaluate(which, knots, moved) - model.evaluate(which, knots, values)) / one.factor
+    expected = 0.5 * np.sin(2 * np.pi * model.progress(which))
+    assert counts == pytest.approx(np.broadcast_to(expected[:, None], counts.shape), abs=1e-6)
+    sigma = [one.sigma for one in model.parameters if one.id.startswith("dark_walk")]
+    walks = np.cumsum(np.random.default_rng(2).standard_normal((4000, 500)), axis=1) / np.sqrt(500)
+    share = np.arange(1, 501) / 500
+    bridge = 0.5 * (walks - walks[:, -1:] * share)
+    found = [2 * np.std((bridge * np.sin(mode * np.pi * share)).mean(axis=1)) for mode in (1, 2, 3, 4)]
+    assert sigma == pytest.approx(found, rel=0.05)  # 4000 walks: 1.1 %

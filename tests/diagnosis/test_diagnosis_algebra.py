@@ -49,6 +49,23 @@ def test_weights_are_the_inverse_of_the_covariance(block, random):
     assert np.allclose(root.T @ root, rows.reshape(12, 2).T @ expected, rtol=FLOAT_RTOL)
 
 
+def test_shapes_of_a_course_are_shared_by_the_channels_of_a_bin(block, random):
+    """Against the dense covariance: each shape by itself, in proportion to the value."""
+    noise, (gas, value), dense = block
+    course, shapes, rows = (
+        np.array([0.5, 0.0, 2.0]),
+        random.normal(size=(2, 4)),
+        random.normal(size=(3, 4, 2)),
+    )
+    for at in range(3):
+        part = slice(4 * at, 4 * at + 4)
+        for row in shapes:
+            dense[part, part] += course[at] * np.outer(value[at] * row, value[at] * row)
+    expected = np.linalg.solve(dense, rows.reshape(12, 2))
+    whole = dataclasses.replace(noise, course=course, shapes=shapes)
+    assert np.allclose(Weigher(whole, gas, value)(rows).reshape(12, 2), expected, rtol=FLOAT_RTOL)
+
+
 def test_a_pattern_counts_as_one_column_per_channel(block, random):
     noise, shared, dense = block
     columns, row, residual = (

@@ -186,6 +186,32 @@ def test_series_of_other_exposures_have_a_noise_of_their_own(random):
         assert np.all((ratio > 0.5) & (ratio < 2.0))
 
 
+@pytest.mark.parametrize(("flicker", "white"), [(0.0, 0.0), (5e-4, 0.0), (0.0, 5e-4)])
+def test_a_course_over_wavelength_flickers_as_it_does(random, flicker, white):
+    """Frames of 0.3 % noise in 90 channels whose tilt from 0.7 to 1 um has 1/f noise, or none of its own."""
+    frames, channels = 200, 90
+    instrument = SimpleNamespace(
+        kind="spectrometer",
+        channels=channels,
+        wavelength=np.linspace(7e-7, 1e-6, channels),
+        raw_moment=np.arange(float(frames))[:, None] + [0.0, 0.1],
+    )
+    frequency = np.fft.rfftfreq(frames)
+    frequency[0] = frequency[1]
+    pink = np.fft.irfft(np.fft.rfft(random.standard_normal(frames)) / np.sqrt(frequency), frames)
+    shapes = noise.course_shapes(instrument.wavelength)[-2]  # the longest beside the mean
+    amplitude = flicker * pink / pink.std() + white * random.standard_normal(frames)
+    value = np.full((frames, channels), 100.0)
+    residual = value * (3e-3 * random.standard_normal(value.shape) + amplitude[:, None] * shapes)
+    weight = np.full(value.shape, (3e-3 * 100.0) ** -2.0)
+    used, phase = np.ones(frames, dtype=bool), np.zeros(frames, dtype=int)
+    found = noise._course(residual, value, used, phase, instrument, weight)
+    # The mean of two shapes of which one has it; of bins of four frames.
+    wanted = amplitude.reshape(-1, 4).mean(axis=1).var() / 2
+    size = float(np.sqrt(found.of_mean(4, 1.0)))
+    assert 0.6 * np.sqrt(wanted) < size < 1.3 * np.hypot(np.sqrt(wanted), 2.5e-4)  # what noise may hide
+
+
 def test_a_gas_that_an_offset_hides_has_a_first_noise_all_the_same(random):
     """An amplifier with its zero below: before the injection no signal is above it, so no gas is seen."""
     value = np.append(np.full(20, -0.002), np.linspace(0.1, 1.0, 30))[:, None] * np.ones(2)

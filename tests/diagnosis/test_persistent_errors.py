@@ -76,7 +76,7 @@ def covariance_of(errors, time, sizes):
 
 def test_gains_wander_with_their_memory_and_the_scale_is_smooth_over_wavelength(spectrometer):
     errors = persistent.persistent(spectrometer, 0.0, 360.0)
-    sizes = np.array([parameter.sigma for parameter in errors.parameters])
+    sizes = np.array([one.sigma * (one.id != "wander_course") for one in errors.parameters])
     time = errors.knots[[2, 5]]
     found = covariance_of(errors, time, sizes)
     wander = persistent.WANDER["spectrometer"] ** 2
@@ -89,6 +89,20 @@ def test_gains_wander_with_their_memory_and_the_scale_is_smooth_over_wavelength(
     assert found[0, 20, 0, 60] == pytest.approx(
         expected, rel=0.02
     )  # modes of 1 % of the variance are left out
+
+
+def test_the_course_over_wavelength_wanders_as_slowly_as_gains_do(spectrometer):
+    errors = persistent.persistent(spectrometer, 0.0, 360.0)
+    sizes = np.array([one.sigma * (one.id == "wander_course") for one in errors.parameters])
+    time = np.linspace(0.0, 360.0, persistent.COURSE_KNOTS)[[3, 8]]
+    found = covariance_of(errors, time, sizes) / persistent.COURSE_WANDER**2
+    wavelength = spectrometer.wavelength
+    parts = [np.exp(-0.5 * ((wavelength[60] - wavelength[20]) / one) ** 2) for one in (25e-9, 60e-9, 200e-9)]
+    decay = np.exp(-(time[1] - time[0]) / (persistent.MEMORY * 360.0))
+    # Shapes of a thousandth of the first are left out; knots of gains lie beside those of the course.
+    assert found[0, 40, 0, 40] == pytest.approx(1.0, abs=0.1)
+    assert found[0, 20, 0, 60] == pytest.approx(np.mean(parts), abs=0.05)
+    assert found[0, 20, 1, 60] == pytest.approx(np.mean(parts) * decay, abs=0.03)
 
 
 def test_the_scale_has_as_many_modes_whatever_the_bins_of_the_spectra(spectrometer):
@@ -146,7 +160,7 @@ def test_modes_of_the_scale_that_are_left_out_make_no_temperature_surer(record, 
     np.testing.assert_allclose(sigma(), plain, rtol=0.03)
 
 
-def test_what_gains_do_between_their_knots_is_noise_of_bins(random):
+def test_what_gains_do_between_their_knots_is_noise_of_bins(random, monkeypatch):
     """Ornstein-Uhlenbeck records beside the straight lines through their values at the knots."""
     step, fine, memory = 10.0, 100, 100.0
     knots = np.arange(0.0, 401.0, step)
@@ -161,10 +175,13 @@ def test_what_gains_do_between_their_knots_is_noise_of_bins(random):
             value[at] = keep * value[at - 1] + np.sqrt(1 - keep**2) * random.standard_normal()
         line = np.interp(np.arange(value.size), np.arange(0, value.size, fine), value[::fine])
         missed.append((value - line)[:-1].reshape(-1, fine))
-    of_all, own = persistent.unresolved(errors, [0.0, step])
-    assert own == pytest.approx([0.0, 0.0])
+    of_all, own, course = persistent.unresolved(errors, [0.0, step])
+    assert own == pytest.approx([0.0, 0.0]) and course == pytest.approx([0.0, 0.0])
     errors.parameters.append(SimpleNamespace(id="wander_900 nm", sigma=1e-3))
     assert persistent.unresolved(errors, [0.0, step])[1] == pytest.approx(of_all / 4)
+    errors.parameters.append(SimpleNamespace(id="wander_course", sigma=2e-3))
+    monkeypatch.setattr(persistent, "COURSE_KNOTS", knots.size)
+    assert persistent.unresolved(errors, [0.0, step])[2] == pytest.approx(of_all)
     # 2400 intervals; the mean over one is that of a bin that begins where a knot is.
     found = np.mean(np.square(missed)), np.mean(np.mean(missed, axis=2) ** 2)
     assert np.sqrt(of_all) == pytest.approx(2e-3 * np.sqrt(found), rel=0.05)

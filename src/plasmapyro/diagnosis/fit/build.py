@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from plasmapyro.diagnosis.fit import observation, radiometer
-from plasmapyro.diagnosis.fit.model import TAIL, History, Model, knots
+from plasmapyro.diagnosis.fit.model import TAIL, WALK, History, Model, knots
 from plasmapyro.diagnosis.fit.observation import Instrument
 from plasmapyro.diagnosis.fit.parameter import Parameter
 from plasmapyro.diagnosis.fit.persistent import persistent, wandering_gas
@@ -30,6 +30,7 @@ DARK_COUNTS = 8.0  # [count] ASSUME: error of the background of a pixel: 25 coun
 # ASSUME: over a record, of all pixels alike: dark current doubles every 7 K (Janesick, Scientific CCDs,
 # ch. 7), so some 100 counts gain 2 % as the room warms by 0.2 K
 DARK_DRIFT = 2.0  # [count]
+DARK_WALK, DARK_MODES = 0.5, 4  # [count] ASSUME: how far it walks at random besides; its slowest modes
 WIDEST_CHANNEL = 5e-9  # [m] over which the mean of a hot surface's light is that of the middle
 PATTERN_MARGIN = 1.3  # [1]: the noise of the calibration is itself estimated, from few pixels
 GAS_SIGMA = 0.15  # [1] of the brightness of the gas as a whole
@@ -131,6 +132,10 @@ def base_model(
     if frames is not None and plasma:
         parameters += (
             Parameter("dark_drift", "drift of the dark", DARK_DRIFT, "count", instrument="spectrometer"),
+            *(
+                Parameter(f"{WALK}_{mode}", "dark that wanders", sigma, "count", instrument="spectrometer")
+                for mode, sigma in enumerate(DARK_WALK * np.sqrt(2) / np.pi / np.arange(1, DARK_MODES + 1), 1)
+            ),
         )
     slope = 0.0 if others is not None else _tilt(record.emittance_slope, response)
     errors = [persistent(one, edges[0], edges[-1], 0.0 if plasma else ROUGH, pauses) for one in instruments]

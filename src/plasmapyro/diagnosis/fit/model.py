@@ -13,6 +13,7 @@ from plasmapyro.record.inputs import has_plasma
 
 FAINTEST = 0.3  # [1], of the mean light: what the error of a channel counts from where the gas is dark
 TINY = 1e-6  # [1], of what it counts from: less light is none
+WALK = "dark_walk"  # begin of the ids of the modes of a dark that wanders
 TAIL = 1.05e-6, 1.13e-6  # [m] over which an error of the long-wave response grows
 INITIAL_TEMPERATURE = 350.0  # [K]
 INITIAL_UNCERTAINTY = 40.0  # [K]
@@ -190,6 +191,7 @@ class Model:
         self.errors = [
             errors.basis(instrument.time) for errors, instrument in zip(persistent, instruments, strict=True)
         ]
+        self.walking = [place for name, place in self.index.items() if name.startswith(WALK)]
         self.wandering = [place for place, one in enumerate(self.own) if one.history]
         self.gas_histories = [self._gas_history(instrument.moment) for instrument in instruments]
         self._weights = {}
@@ -214,6 +216,15 @@ class Model:
         """Share (n,) of the record that has gone by in the bins of an instrument, 0 to 1."""
         first, last = self.persistent[which].knots[[0, -1]]
         return np.clip((self.instruments[which].time - first) / (last - first), 0.0, 1.0)
+
+    def _dark(self, values, progress):
+        r"""Counts (n,) by which the dark of a spectrometer has drifted after a share (n,) of the record: a
+        straight line and a Brownian bridge, :math:`\sum_k a_k \sin k\pi x`."""
+        drift = self.value(values, "dark_drift") * progress
+        for mode, place in enumerate(self.walking, 1):
+            if values[place]:
+                drift = drift + values[place] * np.sin(mode * np.pi * progress)
+        return drift
 
     def settings_of_given(self, values):
         """Settings of the terms that are taken as given, with the numbers that the parameters hold."""
@@ -339,9 +350,8 @@ class Model:
             for setting in detecting:
                 output = output.but(setting.effect.output(output, setting.amplitude, **setting.shape))
             value = output.value
-        drift = self.value(values, "dark_drift")
-        if drift and instrument.kind == "spectrometer":
-            value = value + drift * self.progress(which)[:, None] * instrument.factor
+        if instrument.kind == "spectrometer":
+            value = value + self._dark(values, self.progress(which))[:, None] * instrument.factor
         if not slopes:
             return value
         by_knot = scene.path * scene.emittance * slope

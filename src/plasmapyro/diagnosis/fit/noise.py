@@ -7,6 +7,7 @@ from scipy.optimize import nnls
 
 from plasmapyro.diagnosis.fit.coloured import CLIP as OUTLYING
 from plasmapyro.diagnosis.fit.coloured import OVERLAP, THIRD, Coloured, coloured, flickering
+from plasmapyro.diagnosis.fit.persistent import COURSE_KNOTS, course_shapes
 from plasmapyro.diagnosis.fit.weights import Noise
 from plasmapyro.record import binning
 
@@ -33,7 +34,9 @@ HIDDEN = 0.5  # [1], of what bands do not share: the most that the flicker of th
 OF_HIGHEST = 0.1  # of a signal: samples that tell how gains flicker, fainter ones how amplifiers rustle
 OF_FAINTEST = 0.01  # of a signal: fainter samples tell the noise that is there without light
 OWN = 0.05  # [1], of the variance that bands share: the least that each has besides
+SHAPES = 3  # of a course over wavelength, the longest, that tell how it flickers
 OCTAVE = 1e-4  # [1] ASSUME: flicker of the gain of a band in each octave of time, to a factor of `LOOSE`
+OF_SHAPE = OCTAVE / 2  # [1] ASSUME: the same of each of some shapes of a course over wavelength
 CORNER = 0.3  # [Hz] ASSUME: below it an amplifier flickers more than it rustles, to a factor of `LOOSE`
 # [s] ASSUME: of samples, which electronics times, and frames, which a computer starts and dates by ticks of
 # 10 to 16 ms (Microsoft, GetTickCount); of so many degrees of freedom
@@ -53,7 +56,8 @@ class NoiseModel:
     samples beyond 4 standard deviations over what a normal law has. `laws` (S, 3): a, b, c of each series of
     a furnace, whose exposures differ; a, b and c are then those of the last. `zero`: what is more than a of
     the constant part, over a, and lasts, as 1/f noise of an amplifier does; `own`: 1/f noise of the gain of
-    each band [1]; `late` [s]: standard deviation of the times of samples."""
+    each band [1], and `course` of the scale over wavelength; `late` [s]: standard deviation of the times of
+    samples."""
 
     constant: float | np.ndarray  # of each band its own: amplifiers have ranges of their own
     linear: float
@@ -65,6 +69,7 @@ class NoiseModel:
     laws: np.ndarray | None = None
     zero: Coloured = Coloured()
     own: Coloured = Coloured()
+    course: Coloured = Coloured()
     late: float = 0.0
 
     def variance(self, series, level, factor, pixels):
@@ -169,13 +174,15 @@ def estimate(instrument, residual, prediction, gas, phase, other_flicker=None, s
     one, _, place = differences(left, used)
     level = prediction[place]
     found = NoiseModel(*law, memory, flicker, 1.0, gain, laws, zero, each)
-    series = np.zeros(used.size, dtype=int) if series is None else series
+    furnace = series is not None
+    series = series if furnace else np.zeros(used.size, dtype=int)
     sigma = np.sqrt(np.maximum(found.variance(series[place], level, factor, pixels), 1e-300))
     scaled = (one / (np.sqrt(2 * (1 - memory)) * sigma))[same[place + 1]]
     tail = np.mean(np.abs(scaled[np.isfinite(scaled)]) > 4) / 6.334e-5 if np.isfinite(scaled).any() else 1.0
     weight = 1 / np.maximum(found.variance(series, prediction, factor, pixels), 1e-300)
     late = _late(residual, prediction, gas, used, phase, instrument, weight, found)
-    return replace(found, tail=float(tail), late=late), left
+    course = NONE if furnace else _course(left, prediction, used, phase, instrument, weight)
+    return replace(found, tail=float(tail), late=late, course=course), left
 
 
 def period_of(instrument):
@@ -350,6 +357,36 @@ def _gains(residual, prediction, gas, used, phase, period, flicker=NONE):
     return replace(of_all[0], variance=np.mean([law.variance for law in of_all], axis=0))
 
 
+def _course(residual, prediction, used, phase, instrument, weight):
+    """Noise of the scale of a spectrometer over wavelength, by the amplitudes (t,) of the longest of its
+    shapes in frames that tell them: 1/f noise as long as knots do not follow it, and what errors leave of the
+    rest."""
+    if instrument.kind != "spectrometer":
+        return Coloured()
+    shapes = course_shapes(instrument.wavelength)[-SHAPES:]
+    rows = prediction[:, None] * shapes  # (t, m, C)
+    weight = np.where(np.isfinite(residual), weight, 0.0)
+    size = (rows * weight[:, None]) @ rows.transpose(0, 2, 1) + np.eye(len(rows[0]))
+    error = np.diagonal(np.linalg.inv(size), axis1=1, axis2=2)
+    told = used & (error < SEEN_GAIN**2).all(axis=1)
+    if np.count_nonzero(told) < THIRD.size:
+        return Coloured()
+    pull = np.sum(rows * (weight * np.nan_to_num(residual))[:, None], axis=2)
+    amplitude = np.linalg.solve(size[told], pull[told][..., None])[..., 0]
+    rough = np.maximum(clipped_variance(np.diff(amplitude, axis=0), axis=0) / 2, LEAST_NOISE**2)
+    white = np.maximum(rough - np.median(error[told], axis=0), 0.0)
+    longest, period = np.ptp(instrument.raw_moment) / COURSE_KNOTS, period_of(instrument)
+    parts = list(zip(amplitude.T, rough, strict=True))[:-1]  # the last is a gain, and taken out
+    laws = [
+        flickering(row, phase[told], period, OF_SHAPE**2 / own, longest).scaled(own) for row, own in parts
+    ]
+    plain, of_all = Coloured(float(white[:-1].mean())), [law for law in laws if law.remembers]
+    if not of_all:
+        return plain
+    variance = np.mean([law.variance for law in of_all], axis=0)
+    return replace(plain, variance=variance, time=of_all[0].time)
+
+
 def slope_of(light, time, phase):
     """How fast light (t, C) changes, each phase for itself [1/s of its unit]."""
     slope = np.zeros(light.shape)
@@ -518,9 +555,9 @@ def _memory(residual, prediction, used, law, factor, pixels):
     return memory if memory > LEAST_MEMORY else 0.0
 
 
-def on_bins(model_noise, instrument, prediction, phase, unresolved=(0.0, 0.0)):
+def on_bins(model_noise, instrument, prediction, phase, unresolved=(0.0, 0.0, 0.0)):
     """`Noise` of the bins of an instrument in phases (n,), from that of its samples; at least what is
-    `unresolved` of the gains (n,) of all channels, and of each."""
+    `unresolved` of the gains (n,) of all channels, of each, and of the course over wavelength."""
     factor = np.ones(instrument.channels) if instrument.factor is None else instrument.factor
     pixels = instrument.pixels
     own = instrument.raw_bin >= 0
@@ -541,8 +578,13 @@ def on_bins(model_noise, instrument, prediction, phase, unresolved=(0.0, 0.0)):
         for law in (model_noise.flicker, model_noise.gain)
     )
     gain = np.maximum(gain, unresolved[0])
+    course, shapes = 0.0, ()
+    if np.any(unresolved[2]):
+        own = model_noise.course.of_mean(mean_samples, period_of(instrument))
+        course, shapes = np.maximum(own, unresolved[2]), course_shapes(instrument.wavelength)
     late = 0.0
     if model_noise.late:
         of_mean = model_noise.late / np.sqrt(mean_samples)[:, None]
         late = of_mean * slope_of(prediction, instrument.time, phase)
-    return Noise(np.where(np.isfinite(instrument.value), variance, np.inf), flicker, gain, late)
+    variance = np.where(np.isfinite(instrument.value), variance, np.inf)
+    return Noise(variance, flicker, gain, late, course, shapes)

@@ -14,9 +14,13 @@ GAS_WANDER = 0.005  # [1] of the brightness of the gas, ASSUME: mains and coolin
 # of a per cent, and lines follow the power by its third to sixth power
 ROUGH_LENGTH = 10e-9  # [m]
 OF_SERIES = ROUGH_LENGTH, SCALE_LENGTHS[0]  # [m] over which that of a series changes
+COURSE_WANDER = WANDER["ratio"]  # [1] ASSUME: one pixel beside another as bands of a pyrometer
+COURSE_LENGTHS = 25e-9, *SCALE_LENGTHS  # [m] ASSUME: gratings and fibres change over less than lamps err
+COURSE_KNOTS = 12  # of it in time; what is faster is noise
 COURSE = 3e-3  # [1] ASSUME: how far the course of the scale wanders: as far as its level
 STRAY_LIGHT = 0.003  # [1] ASSUME: of the mean count rate, as in the estimate with an emissivity
 STRAY_COURSE = 0.3  # [1] ASSUME: of it, from one end of a spectrum to the other
+LEAST_COURSE = 1e-3  # variance of shapes of a course that are left out, of the largest
 LEAST_WANDER = 1e-2  # variance of shapes over wavelength that are left out, of the largest
 # Variance of modes over wavelength that are left out [1], of the largest. At 1e-2 the temperature seems twice
 # as sure, because what is left out is what a wrong temperature looks like.
@@ -52,7 +56,7 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
     response leave another one at another temperature.
 
     Gains are Ornstein-Uhlenbeck processes, linear between knots; the scale over wavelength is a Gaussian
-    process, by the modes of its covariance.
+    process, by the modes of its covariance; the modes of `course_shapes` wander in time.
 
     Notes
     -----
@@ -90,6 +94,14 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
         time.append(np.ones((knots.size, kept.sum())))
         channel.append(vector[:, kept] * np.sqrt(value[kept]))
         parameters += [Parameter("smooth_spectrometer", name, SCALE_ERROR)] * int(kept.sum())
+        if not rough:
+            span = end - start
+            own, root = wandering(start, end, MEMORY * span, step=span / COURSE_KNOTS)
+            root = np.array([np.interp(knots, own, column) for column in root.T]).T
+            for row in course_shapes(instrument.wavelength):
+                time.append(root)
+                channel.append(np.outer(row, np.ones(own.size)))
+                parameters += [Parameter("wander_course", f"wandering {name}", COURSE_WANDER)] * own.size
         if rough:
             like = np.exp(-0.5 * (apart / max(SCALE_LENGTHS)) ** 2)
             value, vector = np.linalg.eigh(like)
@@ -117,9 +129,18 @@ def persistent(instrument, start, end, rough=0.0, pauses=()):
     return Persistent(knots, np.hstack(time), np.hstack(channel), tuple(parameters), lengths)
 
 
+def course_shapes(wavelength):
+    """Shapes (m, C) by which the scale of a spectrometer over its wavelengths (C,) [m] wanders, of unit
+    variance together."""
+    apart = np.subtract.outer(wavelength, wavelength)
+    value, vector = np.linalg.eigh(alike(apart, [(one, 1 / len(COURSE_LENGTHS)) for one in COURSE_LENGTHS]))
+    kept = value > LEAST_COURSE * value.max()
+    return (vector[:, kept] * np.sqrt(value[kept])).T
+
+
 def unresolved(errors, length):
     r"""Variances (n,) [1] of what gains do between their knots, in the mean of bins of some length L (n,)
-    [s]: of the gain of all channels, and of that of each band.
+    [s]: of the gain of all channels, of that of each band, and of the course over wavelength.
 
     .. math:: \frac{2\sigma^2}{\tau}\,\frac{h}{6}\,\frac{1}{1 + L/h}
 
@@ -131,13 +152,15 @@ def unresolved(errors, length):
     errors : Persistent
     length : (n,) [s]
     """
-    step = float(np.median(np.diff(errors.knots)))
-    rate = 2 / (MEMORY * np.ptp(errors.knots)) * step / 6 / (1 + np.asarray(length) / step)
+    span, length = np.ptp(errors.knots), np.asarray(length)
+    steps = float(np.median(np.diff(errors.knots))), span / (COURSE_KNOTS - 1)
+    rate, slow = (2 / (MEMORY * span) * step / 6 / (1 + length / step) for step in steps)
     sigma = {one.id: one.sigma for one in errors.parameters if one.id.startswith("wander_")}
     of_all = max(sigma.pop(f"wander_{kind}", 0.0) for kind in ("pyrometer", "spectrometer"))
     sigma.pop("wander_smooth", None)
+    course = sigma.pop("wander_course", 0.0)
     own = max(sigma.pop("wander_ratio", 0.0) / 2, *sigma.values(), 0.0)  # of bands that are known one by one
-    return of_all**2 * rate, own**2 * rate
+    return of_all**2 * rate, own**2 * rate, course**2 * slow
 
 
 def scale_at(wavelength, channels, modes, lengths):

@@ -6,13 +6,15 @@ from scipy.linalg import cho_solve
 from scipy.special import chdtr, gammaincinv
 
 from plasmapyro.diagnosis.fit.normal import places_of_patterns
+from plasmapyro.diagnosis.fit.persistent import COURSE_KNOTS
 
 KEPT = 0.7  # [1], of the second differences, the least ones: an event is no wandering
 LEAST_RATIO = 1.3  # [1] of a variance beyond which it is raised
 MOST = 0.03  # [1] standard deviation beyond which a gas does not wander but changes
 OF_SERIES = ("smooth_stray", "wander_smooth", "smooth_series")  # errors that each series draws anew
 LEAST_TOLD, LARGEST = 3.0, 2.0  # numbers that the data tell, at least; factor of a step, at most
-OF_GAINS = ("wander_pyrometer", "wander_ratio", "wander_spectrometer")
+COURSE = "wander_course"
+OF_GAINS = ("wander_pyrometer", "wander_ratio", "wander_spectrometer", COURSE)
 LEAST_WANDER = 0.7  # [1] of what is assumed: seconds tell little of what drifts over minutes
 ASSUMED = 4.0  # second differences that what is assumed counts as
 SECOND = np.sqrt(6.0)  # [1] standard deviation of a second difference of independent numbers, over theirs
@@ -111,7 +113,11 @@ def steadier(model, solution):
             own = np.flatnonzero(identities == identity)
             if not own.size:
                 continue
-            rows = np.diff(errors.time[:, own], n=2, axis=0)
+            time = errors.time[:, own]
+            if identity == COURSE:  # between its own knots it is straight
+                knots = np.linspace(*errors.knots[[0, -1]], COURSE_KNOTS)
+                time = np.array([np.interp(knots, errors.knots, column) for column in time.T]).T
+            rows = np.diff(time, n=2, axis=0)
             at = np.arange(places.start, places.stop)[own]
             sigma = errors.parameters[own[0]].sigma
             factor = max(_smaller(*_bends(model, solution, rows, at, sigma)), LEAST_WANDER)

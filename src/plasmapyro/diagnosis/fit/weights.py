@@ -9,19 +9,23 @@ import numpy as np
 class Noise:
     """Noise of one instrument on its bins: `variance` (n, C) inf where nothing was measured, and what the
     channels of a bin share, (n,) [1]: that of the brightness of the gas, `flicker`, of all light, `gain`; and
-    `late` (n, C), what light changes by within the standard deviation of the time of a bin."""
+    `late` (n, C), what light changes by within the standard deviation of the time of a bin; of the `course`
+    over wavelength, whose shapes are rows (m, C)."""
 
     variance: np.ndarray
     flicker: np.ndarray
     gain: np.ndarray | float = 0.0
     late: np.ndarray | float = 0.0
+    course: np.ndarray | float = 0.0
+    shapes: tuple | np.ndarray = ()
 
 
 class Weigher:
     r"""Applies :math:`\Sigma^{-1}`, :math:`\Sigma = \mathrm{diag}(\sigma^2) + U U^T` per bin.
 
     The columns of U are what the channels of a bin share: the gas (n, C) times the root of its flicker, the
-    value (n, C) times that of the gain, and what a time that is uncertain does, if there is any.
+    value (n, C) times that of the gain, what a time that is uncertain does, and the value times each shape of
+    the course, if there is any.
 
     Notes
     -----
@@ -35,6 +39,8 @@ class Weigher:
             shared.append(np.sqrt(noise.gain)[:, None] * value)
         if np.any(noise.late):
             shared.append(noise.late)
+        if np.any(noise.course):
+            shared += [np.sqrt(noise.course)[:, None] * value * row for row in noise.shapes]
         shared = np.stack(shared, axis=1)
         self.shared = self.weight[:, None] * shared  # (n, r, C)
         size = self.shared @ shared.transpose(0, 2, 1)  # (n, r, r)

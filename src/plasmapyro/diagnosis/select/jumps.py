@@ -8,7 +8,9 @@ from plasmapyro.diagnosis.fit.outliers import slow_part
 SIDES, LONGEST_SIDE = (12, 24), 12.0  # samples before and after a jump, and how long they may last [s]
 REACH, LEAST_REACH = 20, 40  # sides of samples before and after that tell what is usual; samples, at least
 BEYOND = 0.9, 1.645  # share of normal deviations that are smaller than so many standard ones
-SHORT, AT_ONCE = 6, 0.5  # nearest samples, and how much [1] of a jump they show: light that swings is none
+# Nearest samples, and how much [1] of a jump they show: light that swings is none, nor a surface that is
+# heated more from one moment on, which knots round off.
+SHORT, AT_ONCE = (6, 3), 0.7
 SPIKE = 3.0  # scatters from the neighbours beyond which a sample counts as no more
 ENDS = 8  # samples at either end that tell none
 LEAST = 60  # samples
@@ -25,7 +27,7 @@ def largest_jump(gain, error, period):
     if gain.size < LEAST:
         return best, place
     gain = without_spikes(gain, error)
-    nearest = sliding_window_view(gain, 2 * SHORT) @ _law(SHORT)
+    nearest = [sliding_window_view(gain, 2 * one) @ _law(one) for one in SHORT]
     for side in SIDES:
         if side * period > LONGEST_SIDE or gain.size < 2 * (side + LEAST_REACH):
             continue
@@ -34,7 +36,10 @@ def largest_jump(gain, error, period):
         size = np.abs(jump) / np.sqrt(sliding_window_view(error, 2 * side) ** 2 @ law**2)
         centres = np.append(np.arange(0, size.size - 1, side), size.size - 1)
         usual = np.interp(np.arange(size.size), centres, [_usual(size, at, side) for at in centres])
-        within = nearest[side - SHORT : gain.size - side - SHORT + 1] * np.sign(jump)
+        parts = [
+            row[side - one : gain.size - side - one + 1] for one, row in zip(SHORT, nearest, strict=True)
+        ]
+        within = np.min(parts * np.sign(jump), axis=0)
         size = np.where(within > AT_ONCE * np.abs(jump), size / np.maximum(usual, 1.0), 0.0)
         size[:ENDS] = size[-ENDS:] = 0.0
         if size.max() > best:

@@ -5,6 +5,8 @@ import warnings
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.optimize import brentq
+from scipy.special import chdtri
 
 from plasmapyro.diagnosis.fit.base import phase_of, raw_residuals
 from plasmapyro.diagnosis.fit.outliers import slow_part
@@ -30,6 +32,7 @@ USUAL_REACH = 40  # frames to both sides, at least, whose steps are the usual on
 LEAST_USUAL_STEPS = 20  # are; and how many there must be
 ENDS = 8  # frames at either end of a phase that tell none: there paths bend, and splines miss some of it
 STEP_STANDS = 6.0  # standard deviations of frames, or usual steps: 0.2 % of simulated gains that wander pass
+MEDIAN = chdtri(1, 0.5)  # of the square of a standard normal number
 LEAST_FRAMES = 20  # frames that tell whether they are of two kinds
 FRAMES, MOMENT, PATTERN, STEP = "left_frames", "left_moment", "left_pattern", "left_step"
 NAMES = {
@@ -140,7 +143,7 @@ def largest_step(gain, error, period):
     Straight lines through the frames on both sides end apart by it; what bends slowly shows none. Where steps
     of noise are usually larger than by the errors (t,) alone, they count by that.
     """
-    best, place = 0.0, None
+    best, place, error = 0.0, None, np.hypot(error, _flickers(gain, error))
     for side in SIDES:
         if side > SIDES[0] and side * period > LONGEST_SIDE or gain.size < 2 * side + LEAST_USUAL_STEPS:
             continue
@@ -165,6 +168,24 @@ def largest_step(gain, error, period):
         if steps.max() > best:
             best, place = float(steps.max()), int(steps.argmax()) + side
     return best, place
+
+
+def _flickers(gain, error):
+    r"""By how much [1] a gain (t,) flickers from frame to frame besides its errors (t,), as 1/f noise does:
+    half of the differences d are smaller than a normal law of variance :math:`2 s^2 + \sum\sigma^2` has them.
+
+    Where errors fall with time, as those of a brightening surface do, the usual step is that of early frames.
+    """
+    told = np.flatnonzero(np.isfinite(gain) & (error < CLEAR))
+    if told.size < LEAST_USUAL_STEPS:
+        return 0.0
+    square = np.diff(gain[told]) ** 2
+    noise = error[told][1:] ** 2 + error[told][:-1] ** 2
+
+    def more(flicker):
+        return np.median(square / (noise + 2 * flicker**2)) - MEDIAN
+
+    return brentq(more, 0.0, CLEAR) if more(0.0) > 0 > more(CLEAR) else 0.0
 
 
 def left_over(model, solution):

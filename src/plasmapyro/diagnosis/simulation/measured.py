@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_solve
 
+from plasmapyro.diagnosis.fit.model import WALK
 from plasmapyro.diagnosis.fit.normal import pattern_sigmas
 from plasmapyro.diagnosis.fit.setting import free_numbers
 from plasmapyro.diagnosis.fit.slit import SeenSlit
@@ -90,7 +91,8 @@ def measured_gas(model, solution):
                 places.append(np.arange(at, at + one.channels))
             at += one.channels
     places = np.concatenate([[model.size + model.index["gas"]], *places])
-    gains = model.size + np.flatnonzero([one.id not in NO_GAIN for one in model.parameters])
+    scaling = [one.id not in NO_GAIN and not one.id.startswith(WALK) for one in model.parameters]
+    gains = model.size + np.flatnonzero(scaling)
     count = places.size
     places = np.concatenate([places, gains])
     chosen = np.zeros((solution.factor[0].shape[0], places.size))
