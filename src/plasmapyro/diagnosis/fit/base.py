@@ -245,6 +245,7 @@ def fit_base(model, rounds=2):
     factors = steadier(model, solution)
     if factors:
         model = _scaled(model, factors)
+        fitter = Fitter(model, _with_course(model, laws, fitter.noise))
         fitter, solution = _refitted(model, fitter, solution)
     factors = darker(model, solution)
     if min(factors) < DARKER:
@@ -258,6 +259,19 @@ def fit_base(model, rounds=2):
         model = _scaled(model, factors)
         fitter, solution = _refitted(model, fitter, solution)
     return Base(model, laws, fitter, solution)
+
+
+def _with_course(model, laws, bins):
+    """Noise of bins with that of a course over wavelength which wanders as the model says."""
+    return [
+        replace(
+            one,
+            course=noises.course_on_bins(
+                law, instrument, unresolved(errors, np.ptp(instrument.moment, axis=1))[2]
+            ),
+        )
+        for law, one, instrument, errors in zip(laws, bins, model.instruments, model.persistent, strict=True)
+    ]
 
 
 def _refitted(model, fitter, solution):

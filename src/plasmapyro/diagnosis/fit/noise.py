@@ -578,13 +578,21 @@ def on_bins(model_noise, instrument, prediction, phase, unresolved=(0.0, 0.0, 0.
         for law in (model_noise.flicker, model_noise.gain)
     )
     gain = np.maximum(gain, unresolved[0])
-    course, shapes = 0.0, ()
-    if np.any(unresolved[2]):
-        own = model_noise.course.of_mean(mean_samples, period_of(instrument))
-        course, shapes = np.maximum(own, unresolved[2]), course_shapes(instrument.wavelength)
+    course, shapes = course_on_bins(model_noise, instrument, unresolved[2]), ()
+    if np.any(course):
+        shapes = course_shapes(instrument.wavelength)
     late = 0.0
     if model_noise.late:
         of_mean = model_noise.late / np.sqrt(mean_samples)[:, None]
         late = of_mean * slope_of(prediction, instrument.time, phase)
     variance = np.where(np.isfinite(instrument.value), variance, np.inf)
     return Noise(variance, flicker, gain, late, course, shapes)
+
+
+def course_on_bins(model_noise, instrument, unresolved):
+    """Variance (n,) [1] of the course over wavelength in the bins of an instrument, at least what is
+    `unresolved` of it; 0 for one without."""
+    if not np.any(unresolved):
+        return 0.0
+    samples = np.maximum(instrument.number.max(axis=1), 1)
+    return np.maximum(model_noise.course.of_mean(samples, period_of(instrument)), unresolved)

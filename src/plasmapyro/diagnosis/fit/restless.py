@@ -16,6 +16,7 @@ LEAST_TOLD, LARGEST = 3.0, 2.0  # numbers that the data tell, at least; factor o
 COURSE = "wander_course"
 OF_GAINS = ("wander_pyrometer", "wander_ratio", "wander_spectrometer", COURSE)
 LEAST_WANDER = 0.7  # [1] of what is assumed: seconds tell little of what drifts over minutes
+LEAST_OF_COURSE = 0.2  # [1] of that of a course over wavelength: its knots lie as far apart as it drifts
 ASSUMED = 4.0  # second differences that what is assumed counts as
 SECOND = np.sqrt(6.0)  # [1] standard deviation of a second difference of independent numbers, over theirs
 NORMAL = float(chdtr(3, 2 * gammaincinv(0.5, KEPT))) / KEPT  # [1] mean of the least ones, of a normal law
@@ -113,17 +114,24 @@ def steadier(model, solution):
             own = np.flatnonzero(identities == identity)
             if not own.size:
                 continue
-            time = errors.time[:, own]
-            if identity == COURSE:  # between its own knots it is straight
-                knots = np.linspace(*errors.knots[[0, -1]], COURSE_KNOTS)
-                time = np.array([np.interp(knots, errors.knots, column) for column in time.T]).T
-            rows = np.diff(time, n=2, axis=0)
+            rows = np.diff(errors.time[:, own], n=2, axis=0)
+            if identity == COURSE:
+                rows = _of_course(errors, own)
             at = np.arange(places.start, places.stop)[own]
             sigma = errors.parameters[own[0]].sigma
-            factor = max(_smaller(*_bends(model, solution, rows, at, sigma)), LEAST_WANDER)
+            least = LEAST_OF_COURSE if identity == COURSE else LEAST_WANDER
+            factor = max(_smaller(*_bends(model, solution, rows, at, sigma)), least)
             if factor < 1 / np.sqrt(LEAST_RATIO):
                 factors[identity] = factor
     return factors
+
+
+def _of_course(errors, own):
+    """Second differences (k, K) of each shape of a course at its own knots, between which it is straight, by
+    its parameters at some places among the persistent errors."""
+    knots, count = np.linspace(*errors.knots[[0, -1]], COURSE_KNOTS), own.size // COURSE_KNOTS
+    root = np.array([np.interp(knots, errors.knots, row) for row in errors.time[:, own[:COURSE_KNOTS]].T]).T
+    return np.kron(np.eye(count), np.diff(root, n=2, axis=0))
 
 
 def darker(model, solution):
