@@ -160,8 +160,9 @@ def diagnose(
         {i: one for i, one in looked_for.items() if one.steady_gas is steady} for steady in (False, True)
     ]
     selection = select(base, questions[0], thresholds=thresholds, draws=draws, seed=seed)
-    if base.solution.converged and not selection.final.converged:
-        selection = selection.unnamed()  # a fit that comes to no rest names nothing
+    restless = base.solution.converged and not selection.final.converged
+    if restless:
+        selection = selection.unnamed()  # a fit that comes to no rest names nothing, nor a gas beside it
     gained = _gained(base, selection)
     if gained is not None and gained.silent and not selection.outweighs_unknown:
         selection, gained = selection.unnamed(), None
@@ -220,7 +221,7 @@ def diagnose(
             comparison = comparison.without_names(elsewhere)
         else:  # a cause of the gas that gains as much where that is not
             comparison = compare(base.model, measured.without(*apart), questions[1], **asked)
-    if not gas_is_likelier(comparison, len(effects)):
+    if restless or not gas_is_likelier(comparison, len(effects)):
         comparison = comparison.without_names(elsewhere)
     if strange:
         selection = selection.beside(STRANGE_LINE)
