@@ -174,3 +174,20 @@ def test_darks_are_known_as_well_as_they_scatter(seed):
 def test_darks_that_nothing_tells_stay_as_they_are():
     assert dark_factor(0.1, 30.0) == pytest.approx(1.0, abs=0.1)
     assert dark_factor(3.0, 0.1) == 1.0  # nor are they raised
+
+
+@pytest.mark.parametrize(("wander", "least", "most"), [(0.0, 0.2, 0.3), (0.5, 0.4, 0.6), (1.0, 0.85, 1.0)])
+def test_a_course_over_wavelength_wanders_as_little_as_its_knots_show(wander, least, most):
+    """Numbers drawn `wander` times as large as assumed, and known exactly; more than assumed is left."""
+    wavelength = np.linspace(7e-7, 1e-6, 90)
+    one = SimpleNamespace(kind="spectrometer", channels=90, known=None, wavelength=wavelength)
+    errors = persistent(one, 0.0, 360.0)
+    course = np.array([parameter.id == "wander_course" for parameter in errors.parameters])
+    sigma = np.array([parameter.sigma for parameter in errors.parameters])
+    drawn = np.random.default_rng(4).standard_normal(sigma.size)
+    values = sigma * drawn * np.where(course, wander, 1.0)
+    model = SimpleNamespace(persistent=[errors], places=[slice(0, sigma.size)], size=0)
+    solution = SimpleNamespace(
+        state=SimpleNamespace(values=values), covariance=np.zeros((sigma.size, sigma.size))
+    )
+    assert least <= steadier(model, solution).get("wander_course", 1.0) <= most
